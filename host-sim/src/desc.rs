@@ -1,0 +1,138 @@
+//! A scene as the files say it: f64, in metres, nothing quantised yet.
+//!
+//! The importers write it, `quantise` turns it into the core's scene. Both renderers mean by it what Mitsuba 3 means:
+//! right-handed, radiance in W·sr⁻¹·m⁻² per linear sRGB channel.
+
+/// Three numbers: a point (metres), a direction, or a colour.
+pub type Vec3 = [f64; 3];
+
+/// A whole scene with the picture it asks for.
+#[derive(Clone, Debug)]
+pub struct SceneDesc {
+    /// File stem or built-in name.
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    /// Samples a pixel, if the scene names them.
+    pub spp: Option<u32>,
+    pub sampler: Option<SamplerKind>,
+    pub integrator: IntegratorDesc,
+    pub camera: CameraDesc,
+    pub materials: Vec<NamedMaterial>,
+    pub shapes: Vec<ShapeDesc>,
+    pub lights: Vec<LightDesc>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SamplerKind {
+    Independent,
+    Stratified,
+    Cmj,
+    Sobol,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntegratorKind {
+    Direct,
+    Path,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct IntegratorDesc {
+    pub kind: IntegratorKind,
+    /// Paths of at most this many segments (1: emission only, 2: direct light); `None`: no limit but roulette.
+    pub max_depth: Option<u32>,
+    /// Segments after which Russian roulette may end a path (Mitsuba's default: 5).
+    pub rr_depth: u32,
+    /// Emitters are not seen directly by the camera.
+    pub hide_emitters: bool,
+}
+
+/// A perspective camera. `right`, `up` and `forward` are orthonormal; `right` and `up` point right and up in the picture.
+#[derive(Clone, Debug)]
+pub struct CameraDesc {
+    pub origin: Vec3,
+    pub right: Vec3,
+    pub up: Vec3,
+    pub forward: Vec3,
+    /// Horizontal field of view, degrees, over the full picture width.
+    pub fov_x: f64,
+    pub lens: Option<LensDesc>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct LensDesc {
+    pub aperture_radius: f64,
+    /// Distance of the plane in focus along `forward`.
+    pub focus_distance: f64,
+}
+
+#[derive(Clone, Debug)]
+pub struct NamedMaterial {
+    /// `id` in the file, or a made-up name that says where it stands.
+    pub name: String,
+    pub two_sided: bool,
+    pub bsdf: BsdfDesc,
+}
+
+#[derive(Clone, Debug)]
+pub enum BsdfDesc {
+    Diffuse { reflectance: Vec3 },
+    /// Smooth metal. `eta_k`: none for a perfect mirror (`material` none).
+    Conductor { specular_reflectance: Vec3, eta_k: Option<(Vec3, Vec3)> },
+    Dielectric { int_ior: f64, ext_ior: f64, specular_reflectance: Vec3, specular_transmittance: Vec3 },
+    RoughConductor { alpha: f64, specular_reflectance: Vec3, eta_k: Option<(Vec3, Vec3)> },
+    RoughDielectric { alpha: f64, int_ior: f64, ext_ior: f64, specular_reflectance: Vec3, specular_transmittance: Vec3 },
+    OrenNayar { reflectance: Vec3, sigma_degrees: f64, model: OrenNayarModel },
+    BlinnPhong { diffuse_reflectance: Vec3, specular_reflectance: Vec3, exponent: f64, normalized: bool },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrenNayarModel {
+    Full,
+    Qualitative,
+    EnergyPreserving,
+}
+
+#[derive(Clone, Debug)]
+pub struct ShapeDesc {
+    /// `id` in the file, or "sphere at line 12".
+    pub name: String,
+    pub geometry: GeometryDesc,
+    /// Index into `SceneDesc::materials`.
+    pub material: usize,
+    /// Radiance emitted on the side of the normal (spheres: outwards).
+    pub emission: Option<Vec3>,
+}
+
+#[derive(Clone, Debug)]
+pub enum GeometryDesc {
+    Sphere { center: Vec3, radius: f64 },
+    /// Unbounded.
+    Plane { point: Vec3, normal: Vec3 },
+    Disk { center: Vec3, normal: Vec3, radius: f64 },
+    /// The parallelogram `center ± u ± v` with `u ⊥ v`; its normal is along `u × v`.
+    Rectangle { center: Vec3, u: Vec3, v: Vec3 },
+    Mesh(MeshDesc),
+}
+
+/// Triangles, counter-clockwise seen from the side of the normal.
+#[derive(Clone, Debug, Default)]
+pub struct MeshDesc {
+    pub vertices: Vec<Vec3>,
+    pub triangles: Vec<[u32; 3]>,
+    /// One unit normal a vertex for smooth shading; empty for flat faces.
+    pub normals: Vec<Vec3>,
+}
+
+#[derive(Clone, Debug)]
+pub enum LightDesc {
+    /// Radiant intensity, W·sr⁻¹.
+    Point { position: Vec3, intensity: Vec3 },
+    /// `direction` in which the light travels; irradiance on a plane facing it, W·m⁻².
+    Directional { direction: Vec3, irradiance: Vec3 },
+    /// The same radiance from everywhere.
+    Constant { radiance: Vec3 },
+    /// Latitude-longitude picture, row-major, top row first; `right`/`up`/`forward` as the sensor's `to_world` columns x, y, z.
+    EnvMap { width: u32, height: u32, pixels: Vec<Vec3>, to_world: [Vec3; 3] },
+}

@@ -1,0 +1,3 @@
+//! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
+
+pub mod desc;
