@@ -1,0 +1,10 @@
+//! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base).
+
+fn main() {
+    println!("cargo::rustc-check-cfg=cfg(narrow_mul)");
+    println!("cargo::rerun-if-changed=build.rs");
+    let target = std::env::var("TARGET").unwrap_or_default();
+    if target.starts_with("thumbv6m") || target.starts_with("thumbv8m.base") {
+        println!("cargo::rustc-cfg=narrow_mul");
+    }
+}

@@ -1,0 +1,201 @@
+//! Colours, linear sRGB: [`Albedo`] (a share a surface gives back) and [`Radiance`] (light, any magnitude), never mixed.
+
+use crate::num::{Metres, Share, Wide, leading_zeros, recip};
+
+/// A share per channel, 0 ..= 1, steps of 2^-15, both ends exact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Albedo(pub [Share; 3]);
+
+impl Albedo {
+    pub const BLACK: Albedo = Albedo([Share::ZERO; 3]);
+    pub const WHITE: Albedo = Albedo([Share::ONE; 3]);
+
+    /// Whether every channel is at most 1.
+    pub fn is_valid(&self) -> bool {
+        self.0.iter().all(|c| *c <= Share::ONE)
+    }
+
+    /// The largest channel.
+    #[inline]
+    pub fn max(self) -> Share {
+        self.0[0].max(self.0[1]).max(self.0[2])
+    }
+}
+
+/// A colour of shares: `rgb(q!(0.61, Share), q!(0.06, Share), q!(0.06, Share))`.
+pub const fn albedo(r: Share, g: Share, b: Share) -> Albedo {
+    Albedo([r, g, b])
+}
+
+/// Light per channel: three 16-bit mantissas under one exponent.
+///
+/// Value of a channel: `mantissa / 2^15 · 2^exponent`. Normalised: the largest mantissa is 2^15 or more, or all are 0.
+/// Results are rounded to nearest: an error of 2^-17 of the largest channel a step, at most. Units by use: W·sr⁻¹·m⁻²
+/// for radiance; also intensity, irradiance, and a path's throughput.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub struct Radiance {
+    mantissa: [u16; 3],
+    exponent: i16,
+}
+
+impl Radiance {
+    pub const BLACK: Radiance = Radiance { mantissa: [0; 3], exponent: 0 };
+    /// 1 in each channel: the throughput of a path's first vertex.
+    pub const WHITE: Radiance = Radiance { mantissa: [1 << 15; 3], exponent: 0 };
+
+    /// From three channels `bits · 2^exponent`.
+    pub const fn from_bits(bits: [u32; 3], exponent: i32) -> Radiance {
+        let all = bits[0] | bits[1] | bits[2];
+        if all == 0 {
+            return Radiance::BLACK;
+        }
+        // Keep 16 bits of the largest; if rounding carries past them, one bit fewer.
+        let mut shift = 16 - leading_zeros(all) as i32;
+        let mut m = round(bits, shift);
+        if (m[0] | m[1] | m[2]) > 0xffff {
+            shift += 1;
+            m = round(bits, shift);
+        }
+        let e = exponent + 15 + shift;
+        if e < i16::MIN as i32 {
+            return Radiance::BLACK;
+        }
+        if e > i16::MAX as i32 {
+            return Radiance { mantissa: [u16::MAX; 3], exponent: i16::MAX };
+        }
+        Radiance { mantissa: [m[0] as u16, m[1] as u16, m[2] as u16], exponent: e as i16 }
+    }
+
+    /// From three lengths' worth of numbers (Q16); negative ones count as 0.
+    pub const fn new(r: Metres, g: Metres, b: Metres) -> Radiance {
+        const fn bits(x: Metres) -> u32 {
+            if x.to_bits() < 0 { 0 } else { x.to_bits() as u32 }
+        }
+        Radiance::from_bits([bits(r), bits(g), bits(b)], -16)
+    }
+
+    /// The mantissas and the exponent, as the type's doc says.
+    #[inline(always)]
+    pub const fn to_parts(self) -> ([u16; 3], i16) {
+        (self.mantissa, self.exponent)
+    }
+
+    #[inline(always)]
+    pub const fn is_black(self) -> bool {
+        self.mantissa[0] | self.mantissa[1] | self.mantissa[2] == 0
+    }
+
+    /// Channel by channel, by shares.
+    #[inline]
+    pub const fn mul_albedo(self, by: Albedo) -> Radiance {
+        let a = [by.0[0].to_bits() as u32, by.0[1].to_bits() as u32, by.0[2].to_bits() as u32];
+        self.mul_channels(a, 0)
+    }
+
+    /// Channel by channel.
+    #[inline]
+    #[allow(clippy::should_implement_trait, reason = "const")]
+    pub const fn mul(self, by: Radiance) -> Radiance {
+        let a = [by.mantissa[0] as u32, by.mantissa[1] as u32, by.mantissa[2] as u32];
+        self.mul_channels(a, by.exponent as i32)
+    }
+
+    #[inline]
+    const fn mul_channels(self, a: [u32; 3], exponent: i32) -> Radiance {
+        // 16 × 16 bits a channel; the value of a product is bits · 2^(-30 + exponents)
+        let m = self.mantissa;
+        let bits = [m[0] as u32 * a[0], m[1] as u32 * a[1], m[2] as u32 * a[2]];
+        Radiance::from_bits(bits, self.exponent as i32 + exponent - 30)
+    }
+
+    /// All channels by one number.
+    #[inline]
+    pub const fn scale(self, by: Wide) -> Radiance {
+        self.mul_channels([by.mantissa() as u32; 3], by.exponent() as i32)
+    }
+
+    /// All channels by a Q16 number; negative ones count as 0.
+    #[inline]
+    pub const fn scale_q16(self, by: i32) -> Radiance {
+        self.scale(Wide::from_q16(by))
+    }
+
+    #[inline]
+    #[allow(clippy::should_implement_trait, reason = "const")]
+    pub const fn add(self, other: Radiance) -> Radiance {
+        if self.is_black() {
+            return other;
+        }
+        if other.is_black() {
+            return self;
+        }
+        let (big, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
+        let gap = (big.exponent as i32 - small.exponent as i32) as u32;
+        if gap > 17 {
+            return big;
+        }
+        // 14 more bits below keep the smaller one's; sums stay under 2^31.
+        let mut bits = [0; 3];
+        let mut i = 0;
+        while i < 3 {
+            bits[i] = ((big.mantissa[i] as u32) << 14) + (((small.mantissa[i] as u32) << 14) >> gap);
+            i += 1;
+        }
+        Radiance::from_bits(bits, big.exponent as i32 - 29)
+    }
+
+    /// The largest channel.
+    #[inline]
+    pub const fn max_channel(self) -> Wide {
+        let m = self.mantissa;
+        let (a, b) = (if m[0] > m[1] { m[0] } else { m[1] }, m[2]);
+        Wide::new(if a > b { a as u32 } else { b as u32 }, self.exponent as i32 - 15)
+    }
+
+    /// Channels with 32 bits below the point, at most 2^16 (`(1 << 48) − 1`): what a film adds up.
+    #[inline]
+    pub const fn to_q32(self) -> [u64; 3] {
+        let mut q = [0; 3];
+        let shift = self.exponent as i32 + 17;
+        let mut i = 0;
+        while i < 3 {
+            let m = self.mantissa[i] as u64;
+            q[i] = if m == 0 || shift < -16 {
+                0
+            } else if shift < 0 {
+                (m + (1 << (-shift - 1))) >> -shift
+            } else if shift < 33 {
+                m << shift
+            } else {
+                (1 << 48) - 1
+            };
+            i += 1;
+        }
+        q
+    }
+}
+
+/// The mean of `count` ≥ 1 samples whose [`Radiance::to_q32`] were added up; sums under 2^64.
+///
+/// Relative error 2^-16 of the largest channel at most.
+pub fn mean_q32(sum: [u64; 3], count: u32) -> Radiance {
+    // Bring the largest sum to 32 bits, keep the others in step.
+    let all = sum[0] | sum[1] | sum[2];
+    let zeros = if all >> 32 == 0 { 32 + leading_zeros(all as u32) } else { leading_zeros((all >> 32) as u32) };
+    let shift = 32 - zeros.min(32);
+    let bits = [(sum[0] >> shift) as u32, (sum[1] >> shift) as u32, (sum[2] >> shift) as u32];
+    let r = recip(count);
+    Radiance::from_bits(bits, shift as i32 - 32).scale(Wide::new(r.mantissa, -(r.shift as i32)))
+}
+
+#[inline]
+const fn round(bits: [u32; 3], shift: i32) -> [u32; 3] {
+    if shift <= 0 {
+        let left = -shift as u32;
+        [bits[0] << left, bits[1] << left, bits[2] << left]
+    } else {
+        // Halves go up: ((x >> (shift - 1)) + 1) >> 1, which cannot overflow where ⌊(x + half) >> shift⌋ would.
+        let s = shift as u32 - 1;
+        [((bits[0] >> s) + 1) >> 1, ((bits[1] >> s) + 1) >> 1, ((bits[2] >> s) + 1) >> 1]
+    }
+}

@@ -1,0 +1,46 @@
+use super::Dir;
+use crate::num::{ONE_Q16, mul_q16, recip};
+
+/// Two tangents and a normal: an orthonormal, right-handed basis.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame {
+    pub s: Dir,
+    pub t: Dir,
+    pub n: Dir,
+}
+
+impl Frame {
+    /// About a normal (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, listing 3).
+    #[inline]
+    pub fn about(n: Dir) -> Frame {
+        let [x, y, z] = n.0;
+        let sign = if z < 0 { -1 } else { 1 };
+        // 1/(1 + |z|), between ½ and 1
+        let a = recip((ONE_Q16 + z.abs()) as u32).times(ONE_Q16, 16);
+        let (xa, ya) = (mul_q16(x, a), mul_q16(y, a));
+        let b = -mul_q16(xa, y);
+        Frame {
+            s: Dir([ONE_Q16 - mul_q16(xa, x), b, -x * sign]),
+            t: Dir([b * sign, (ONE_Q16 - mul_q16(ya, y)) * sign, -y]),
+            n,
+        }
+    }
+
+    /// From local coordinates (s, t, n) to the frame's own.
+    #[inline]
+    pub fn to_world(&self, local: Dir) -> Dir {
+        let [x, y, z] = local.0.map(|c| c >> 1);
+        let mix = |i: usize, s: [i32; 3], t: [i32; 3], n: [i32; 3]| {
+            let sum = x * (s[i] >> 1) + y * (t[i] >> 1) + z * (n[i] >> 1);
+            (sum + (1 << 13)) >> 14
+        };
+        let (s, t, n) = (self.s.0, self.t.0, self.n.0);
+        Dir([mix(0, s, t, n), mix(1, s, t, n), mix(2, s, t, n)])
+    }
+
+    /// To local coordinates: the cosines to s, t and n.
+    #[inline]
+    pub fn to_local(&self, world: Dir) -> Dir {
+        Dir([world.dot(self.s), world.dot(self.t), world.dot(self.n)])
+    }
+}

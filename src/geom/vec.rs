@@ -1,0 +1,152 @@
+use crate::num::{ONE_Q16, Wide, leading_zeros, mul_hi, mul_q16, rsqrt};
+
+/// A place, scene units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Point(pub [i32; 3]);
+
+/// From one place to another, scene units.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Offset(pub [i32; 3]);
+
+/// A unit vector, components Q16 (±65536). Its length is 1 to about 2^-15.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Dir(pub [i32; 3]);
+
+/// What normalising a vector found out: enough for its length and its square.
+#[derive(Clone, Copy, Debug)]
+pub struct Norm {
+    /// Squared length of the vector shifted right by `shift` (left if negative); 2^28 ..= 3·2^30.
+    square: u32,
+    shift: i32,
+    mantissa: u32,
+    half: u32,
+}
+
+impl Point {
+    #[inline(always)]
+    pub const fn to(self, other: Point) -> Offset {
+        let (a, b) = (self.0, other.0);
+        Offset([b[0].wrapping_sub(a[0]), b[1].wrapping_sub(a[1]), b[2].wrapping_sub(a[2])])
+    }
+
+    #[inline(always)]
+    pub const fn add(self, by: Offset) -> Point {
+        let (a, b) = (self.0, by.0);
+        Point([a[0].wrapping_add(b[0]), a[1].wrapping_add(b[1]), a[2].wrapping_add(b[2])])
+    }
+
+    /// The point `distance` units along `dir`, rounded down.
+    #[inline]
+    pub const fn along(self, dir: Dir, distance: i32) -> Point {
+        self.add(dir.times(distance))
+    }
+}
+
+impl Offset {
+    /// Length along `dir`, units: three products, each rounded down (error −3 ..= 0 units).
+    #[inline]
+    pub const fn dot(self, dir: Dir) -> i32 {
+        let (a, d) = (self.0, dir.0);
+        mul_q16(a[0], d[0]).wrapping_add(mul_q16(a[1], d[1])).wrapping_add(mul_q16(a[2], d[2]))
+    }
+
+    /// Direction and length; `None` for nothing. Error of a component: 2^-15 at most.
+    #[inline]
+    pub fn normalize(self) -> Option<(Dir, Norm)> {
+        let v = self.0;
+        let m = (v[0] ^ (v[0] >> 31)) | (v[1] ^ (v[1] >> 31)) | (v[2] ^ (v[2] >> 31));
+        if m == 0 && self.0 == [0; 3] {
+            return None;
+        }
+        // Components of up to 15 bits, the largest of 15: squares add up to less than 2^32.
+        let shift = 17 - leading_zeros(m as u32 | 1) as i32;
+        let v = if shift > 0 { v.map(|c| ((c >> (shift - 1)) + 1) >> 1) } else { v.map(|c| c << -shift) };
+        let square = (v[0] * v[0]) as u32 + (v[1] * v[1]) as u32 + (v[2] * v[2]) as u32;
+        let (mantissa, half) = rsqrt(square);
+        // |v| m16 ≤ 2^(31 - half), for a component is no longer than the vector.
+        let m16 = mantissa.saturating_add(1 << 15) >> 16;
+        let down = 15 - half.min(14);
+        let dir = v.map(|c| {
+            let size = (c.unsigned_abs().wrapping_mul(m16).wrapping_add(1 << (down - 1))) >> down;
+            if c < 0 { -(size as i32) } else { size as i32 }
+        });
+        Some((Dir(dir), Norm { square, shift, mantissa, half }))
+    }
+}
+
+impl Norm {
+    /// Length, units, rounded down; relative error 2^-14 at most, from the 15 bits that were kept.
+    #[inline]
+    pub fn length(self) -> i32 {
+        // √n · 2^15 with n = square · 2^(2 half)
+        let root = mul_hi(self.square << (2 * self.half), self.mantissa);
+        let down = 15 + self.half as i32 - self.shift;
+        if down >= 0 { (root >> down.min(31)) as i32 } else { (root << -down) as i32 }
+    }
+
+    /// Squared length, units².
+    #[inline]
+    pub const fn square(self) -> Wide {
+        Wide::new(self.square, 2 * self.shift)
+    }
+}
+
+impl Dir {
+    pub const X: Dir = Dir([ONE_Q16, 0, 0]);
+    pub const Y: Dir = Dir([0, ONE_Q16, 0]);
+    pub const Z: Dir = Dir([0, 0, ONE_Q16]);
+
+    /// The way the vector (Q16 or any other common scale) points; `None` for nothing.
+    pub fn new(v: [i32; 3]) -> Option<Dir> {
+        Offset(v).normalize().map(|(dir, _)| dir)
+    }
+
+    /// Cosine between two directions, Q16: products of 15-bit halves, error 2^-14 at most.
+    #[inline]
+    pub const fn dot(self, other: Dir) -> i32 {
+        let (a, b) = (self.0, other.0);
+        let sum = (a[0] >> 1) * (b[0] >> 1) + (a[1] >> 1) * (b[1] >> 1) + (a[2] >> 1) * (b[2] >> 1);
+        (sum + (1 << 13)) >> 14
+    }
+
+    /// Cosine between two directions, Q24, of the directions as they stand: error in (−1, 0] ulp.
+    ///
+    /// For planes seen at grazing angles, where the quotient by it matters.
+    #[inline]
+    pub const fn dot_q24(self, other: Dir) -> i32 {
+        // a = 2^8 ah + al: Σ ah·b < 2^26 and Σ al·b < 2^26 in magnitude.
+        let (a, b) = (self.0, other.0);
+        let high = (a[0] >> 8) * b[0] + (a[1] >> 8) * b[1] + (a[2] >> 8) * b[2];
+        let low = (a[0] & 255) * b[0] + (a[1] & 255) * b[1] + (a[2] & 255) * b[2];
+        high + (low >> 8)
+    }
+
+    /// The offset of `distance` units this way, rounded down.
+    #[inline]
+    pub const fn times(self, distance: i32) -> Offset {
+        let d = self.0;
+        Offset([mul_q16(distance, d[0]), mul_q16(distance, d[1]), mul_q16(distance, d[2])])
+    }
+
+    /// The mirror image of a direction that points away from the surface, about the normal: 2 (w·n) n − w.
+    #[inline]
+    pub fn reflect(self, normal: Dir) -> Dir {
+        let twice = 2 * self.dot(normal);
+        let (w, n) = (self.0, normal.0);
+        Dir([mul_q16(twice, n[0]) - w[0], mul_q16(twice, n[1]) - w[1], mul_q16(twice, n[2]) - w[2]])
+    }
+}
+
+impl core::ops::Neg for Dir {
+    type Output = Dir;
+    #[inline(always)]
+    fn neg(self) -> Dir {
+        Dir(self.0.map(|c| -c))
+    }
+}
+
+/// a × b of components under 2^15 in magnitude: each result is under 2^31.
+#[inline]
+pub const fn cross(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
