@@ -22,7 +22,7 @@ use microlux::num::*;
   for i in 0..500000u32 { let mut r=||{ s=s.wrapping_mul(747796405).wrapping_add(2891336453); (s^(s>>15)) as i32 };
     let v=[r()>>(i%29+1), r()>>(i%29+1), r()>>(i%29+1)]; let Some((d,n))=Offset(v).normalize() else {continue};
     let f=v.map(|c|c as f64); let l=f.iter().map(|c|c*c).sum::<f64>().sqrt();
-    for k in 0..3 { w.0=w.0.max((d.0[k] as f64/65536.-f[k]/l).abs()); }
+    for k in 0..3 { {let dl=(0..3).map(|j|(d.0[j] as f64).powi(2)).sum::<f64>().sqrt(); w.0=w.0.max((d.0[k] as f64/dl-f[k]/l).abs()); w.1=w.1.max((dl/65536.-1.).abs());}; }
     w.1=w.1.max(((n.length() as f64-l).abs()-1.).max(0.)/l); let q=n.square(); w.2=w.2.max((q.mantissa() as f64*2f64.powi(q.exponent() as i32-15)/l/l-1.).abs());
     let fr=Frame::about(d); let g=|a:Dir,b:Dir|(0..3).map(|i|a.0[i] as f64*b.0[i] as f64).sum::<f64>()/65536./65536.;
     for (a,b,e) in [(fr.s,fr.s,1.),(fr.t,fr.t,1.),(fr.n,fr.n,1.),(fr.s,fr.t,0.),(fr.s,fr.n,0.),(fr.t,fr.n,0.)] { w.3=w.3.max((g(a,b)-e).abs()); }

@@ -1,4 +1,4 @@
-use crate::num::{ONE_Q16, Wide, leading_zeros, mul_hi, mul_q16, rsqrt};
+use crate::num::{ONE_Q16, Wide, leading_zeros, mul_hi, mul_q16, mul_shift, rsqrt};
 
 /// A place, scene units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,7 +50,9 @@ impl Offset {
         mul_q16(a[0], d[0]).wrapping_add(mul_q16(a[1], d[1])).wrapping_add(mul_q16(a[2], d[2]))
     }
 
-    /// Direction and length; `None` for nothing. Error of a component: 2^-15 at most.
+    /// Direction and length; `None` for nothing.
+    ///
+    /// Where it points is right to 2^-16 a component; its length is 1 to 2^-14, from the 15 bits that are squared.
     #[inline]
     pub fn normalize(self) -> Option<(Dir, Norm)> {
         let v = self.0;
@@ -58,18 +60,15 @@ impl Offset {
         if m == 0 && self.0 == [0; 3] {
             return None;
         }
-        // Components of up to 15 bits, the largest of 15: squares add up to less than 2^32.
+        // For the length, components of up to 15 bits, the largest of 15: squares add up to less than 2^32.
         let shift = 17 - leading_zeros(m as u32 | 1) as i32;
-        let v = if shift > 0 { v.map(|c| ((c >> (shift - 1)) + 1) >> 1) } else { v.map(|c| c << -shift) };
-        let square = (v[0] * v[0]) as u32 + (v[1] * v[1]) as u32 + (v[2] * v[2]) as u32;
+        let short = if shift > 0 { v.map(|c| ((c >> (shift - 1)) + 1) >> 1) } else { v.map(|c| c << -shift) };
+        let square =
+            (short[0] * short[0]) as u32 + (short[1] * short[1]) as u32 + (short[2] * short[2]) as u32;
         let (mantissa, half) = rsqrt(square);
-        // |v| m16 ≤ 2^(31 - half), for a component is no longer than the vector.
-        let m16 = mantissa.saturating_add(1 << 15) >> 16;
-        let down = 15 - half.min(14);
-        let dir = v.map(|c| {
-            let size = (c.unsigned_abs().wrapping_mul(m16).wrapping_add(1 << (down - 1))) >> down;
-            if c < 0 { -(size as i32) } else { size as i32 }
-        });
+        // For the direction, all the bits there are; one more than wanted, to round by.
+        let down = (29 + shift - half as i32) as u32;
+        let dir = v.map(|c| (mul_shift(c, (mantissa >> 1) as i32, down) + 1) >> 1);
         Some((Dir(dir), Norm { square, shift, mantissa, half }))
     }
 }
