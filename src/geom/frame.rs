@@ -29,13 +29,9 @@ impl Frame {
     /// From local coordinates (s, t, n) to the frame's own.
     #[inline]
     pub fn to_world(&self, local: Dir) -> Dir {
-        let [x, y, z] = local.0.map(|c| c >> 1);
-        let mix = |i: usize, s: [i32; 3], t: [i32; 3], n: [i32; 3]| {
-            let sum = x * (s[i] >> 1) + y * (t[i] >> 1) + z * (n[i] >> 1);
-            (sum + (1 << 13)) >> 14
-        };
         let (s, t, n) = (self.s.0, self.t.0, self.n.0);
-        Dir([mix(0, s, t, n), mix(1, s, t, n), mix(2, s, t, n)])
+        let mix = |i: usize| local.dot(Dir([s[i], t[i], n[i]]));
+        Dir([mix(0), mix(1), mix(2)])
     }
 
     /// To local coordinates: the cosines to s, t and n.

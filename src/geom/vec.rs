@@ -43,6 +43,12 @@ impl Point {
 }
 
 impl Offset {
+    #[inline(always)]
+    pub const fn minus(self, other: Offset) -> Offset {
+        let (a, b) = (self.0, other.0);
+        Offset([a[0].wrapping_sub(b[0]), a[1].wrapping_sub(b[1]), a[2].wrapping_sub(b[2])])
+    }
+
     /// Length along `dir`, units: three products, each rounded down (error −3 ..= 0 units).
     #[inline]
     pub const fn dot(self, dir: Dir) -> i32 {
@@ -100,12 +106,10 @@ impl Dir {
         Offset(v).normalize().map(|(dir, _)| dir)
     }
 
-    /// Cosine between two directions, Q16: products of 15-bit halves, error 2^-14 at most.
+    /// Cosine between two directions, Q16, rounded to nearest.
     #[inline]
     pub const fn dot(self, other: Dir) -> i32 {
-        let (a, b) = (self.0, other.0);
-        let sum = (a[0] >> 1) * (b[0] >> 1) + (a[1] >> 1) * (b[1] >> 1) + (a[2] >> 1) * (b[2] >> 1);
-        (sum + (1 << 13)) >> 14
+        (self.dot_q24(other) + 128) >> 8
     }
 
     /// Cosine between two directions, Q24, of the directions as they stand: error in (−1, 0] ulp.

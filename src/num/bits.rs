@@ -15,3 +15,9 @@ pub const fn normalize_shift(v: [i32; 3], bits: u32) -> u32 {
     let m = (v[0] ^ (v[0] >> 31)) | (v[1] ^ (v[1] >> 31)) | (v[2] ^ (v[2] >> 31));
     (32 - leading_zeros(m as u32)).saturating_sub(bits)
 }
+
+/// x / 2^`shift`, rounded to nearest (halves up); `shift` in 0 ..= 31.
+#[inline(always)]
+pub const fn round_shift(x: i32, shift: u32) -> i32 {
+    if shift == 0 { x } else { ((x >> (shift - 1)) + 1) >> 1 }
+}

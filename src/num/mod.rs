@@ -21,7 +21,7 @@ mod root;
 mod trig;
 mod wide;
 
-pub use bits::{leading_zeros, normalize_shift};
+pub use bits::{leading_zeros, normalize_shift, round_shift};
 pub use product::{mul_hi, mul_q16, mul_shift};
 pub use recip::{Recip, recip};
 pub use root::{isqrt, rsqrt};

@@ -1,0 +1,47 @@
+use super::{BsdfSample, Local};
+use crate::color::{Albedo, Radiance};
+use crate::geom::{Dir, Frame};
+use crate::num::{Uniform, Wide};
+use crate::sampler::warp;
+
+/// The normal on the eye's side; `None` behind a one-sided surface.
+#[inline]
+fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
+    if local.wo.dot_q24(local.normal) > 0 {
+        Some(local.normal)
+    } else if two_sided {
+        Some(-local.normal)
+    } else {
+        None
+    }
+}
+
+/// f·cos θi = ρ/π · cos θi, density cos θi / π.
+#[inline]
+pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {
+    let cos = wi.dot(facing(two_sided, local)?);
+    if cos <= 0 {
+        return None;
+    }
+    let pdf = warp::pdf_cosine_hemisphere(cos);
+    Some((Radiance::WHITE.mul_albedo(albedo).scale(pdf), pdf))
+}
+
+/// Cosine-distributed about the normal: the weight is the reflectance.
+#[inline]
+pub(super) fn sample(
+    albedo: Albedo,
+    two_sided: bool,
+    local: &Local,
+    u: [Uniform; 2],
+) -> Option<BsdfSample> {
+    let normal = facing(two_sided, local)?;
+    let drawn = warp::sample_cosine_hemisphere(u);
+    let wi = Frame::about(normal).to_world(drawn);
+    Some(BsdfSample {
+        wi,
+        weight: Radiance::WHITE.mul_albedo(albedo),
+        pdf: warp::pdf_cosine_hemisphere(drawn.0[2]),
+        eta_squared: Wide::ONE,
+    })
+}

@@ -1,0 +1,103 @@
+//! What surfaces do with light: an `enum` of BSDFs, each with `eval`, `pdf` and `sample` that belong together.
+//!
+//! Directions point away from the surface: `wo` towards the eye, `wi` towards the light. `eval` gives f·|cos θi|, so
+//! that nothing divides by the cosine.
+
+mod dielectric;
+mod lambert;
+
+use crate::color::{Albedo, Radiance};
+use crate::geom::Dir;
+use crate::num::{Uniform, Wide};
+
+pub use dielectric::{fresnel_dielectric, Dielectric};
+
+/// The material of a shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Material {
+    /// Reflects nothing: lights that are only lights.
+    Black,
+    /// Ideal diffuse reflection; black from behind unless two-sided.
+    Lambert { albedo: Albedo, two_sided: bool },
+    /// Ideal mirror with a colour; black from behind unless two-sided.
+    Mirror { reflectance: Albedo, two_sided: bool },
+    /// Smooth boundary between two media.
+    Dielectric(Dielectric),
+}
+
+/// What of the surface a BSDF needs to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Local {
+    /// Geometric normal of the shape, as it stands (not turned to the eye).
+    pub normal: Dir,
+    /// Towards where the path came from.
+    pub wo: Dir,
+}
+
+/// A direction drawn from a BSDF.
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    pub wi: Dir,
+    /// f·|cos θi| / pdf.
+    pub weight: Radiance,
+    /// Per solid angle; [`Wide::ZERO`] for a direction drawn from a delta distribution.
+    pub pdf: Wide,
+    /// Squared ratio of refractive indices crossed (eye's side over the other), 1 for reflection: Russian roulette
+    /// takes it back, since radiance in the denser medium is larger by it.
+    pub eta_squared: Wide,
+}
+
+impl BsdfSample {
+    /// Drawn from a delta distribution: no light sample can hit it.
+    pub const fn is_specular(&self) -> bool {
+        self.pdf.is_zero()
+    }
+}
+
+impl Material {
+    /// Two-sided diffuse.
+    pub const fn lambert(albedo: Albedo) -> Material {
+        Material::Lambert { albedo, two_sided: true }
+    }
+
+    /// Two-sided mirror.
+    pub const fn mirror(reflectance: Albedo) -> Material {
+        Material::Mirror { reflectance, two_sided: true }
+    }
+
+    /// Whether light samples can contribute: the BSDF is not a delta distribution alone.
+    #[inline]
+    pub const fn is_smooth(&self) -> bool {
+        matches!(self, Material::Lambert { .. })
+    }
+
+    /// f·|cos θi| and the density with which [`Self::sample`] would draw `wi`; `None` where no light is scattered.
+    #[inline]
+    pub fn eval(&self, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {
+        match self {
+            Material::Lambert { albedo, two_sided } => lambert::eval(*albedo, *two_sided, local, wi),
+            Material::Black | Material::Mirror { .. } | Material::Dielectric(_) => None,
+        }
+    }
+
+    /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.
+    #[inline]
+    pub fn sample(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
+        match self {
+            Material::Black => None,
+            Material::Lambert { albedo, two_sided } => lambert::sample(*albedo, *two_sided, local, u),
+            Material::Mirror { reflectance, two_sided } => {
+                if local.wo.dot(local.normal) <= 0 && !two_sided {
+                    return None;
+                }
+                Some(BsdfSample {
+                    wi: local.wo.reflect(local.normal),
+                    weight: Radiance::WHITE.mul_albedo(*reflectance),
+                    pdf: Wide::ZERO,
+                    eta_squared: Wide::ONE,
+                })
+            }
+            Material::Dielectric(dielectric) => dielectric.sample(local, lobe),
+        }
+    }
+}

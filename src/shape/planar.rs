@@ -1,0 +1,144 @@
+//! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
+
+use crate::geom::{Dir, FAR, Point, Ray};
+use crate::num::{Wide, leading_zeros, mul_shift, recip, round_shift};
+
+/// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
+///
+/// A point brought onto the plane is off it by the rounding of two dot products (3 units each) and of itself (1); the
+/// crossing rounds its distance by 3 more, downwards: 8 leaves at least one unit on the right side.
+pub const LIFT: i32 = 8;
+
+/// An infinite plane, one-sided only in what it emits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plane {
+    pub point: Point,
+    pub normal: Dir,
+}
+
+/// A disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Disk {
+    pub center: Point,
+    pub normal: Dir,
+    /// Units, 1 ..= 2^22.
+    pub radius: i32,
+}
+
+/// The rectangle `center ± half[0]·u ± half[1]·v`, normal u × v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Rectangle {
+    pub center: Point,
+    pub u: Dir,
+    pub v: Dir,
+    pub normal: Dir,
+    /// Half the side lengths along u and v, units, 1 ..= 2^22.
+    pub half: [i32; 2],
+}
+
+impl Plane {
+    pub const fn new(point: Point, normal: Dir) -> Plane {
+        Plane { point, normal }
+    }
+
+    /// Distance to the crossing with 0 < t < `t_max`; one beyond [`FAR`] counts as there.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        let t = crossing(self.point, self.normal, ray)?;
+        (t < t_max).then_some(t)
+    }
+}
+
+impl Disk {
+    pub const fn new(center: Point, normal: Dir, radius: i32) -> Disk {
+        Disk { center, normal, radius }
+    }
+
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        let t = crossing(self.center, self.normal, ray)?;
+        if t >= t_max {
+            return None;
+        }
+        let [x, y, z] = self.center.to(ray.at(t)).0;
+        let r = self.radius;
+        if x > r || x < -r || y > r || y < -r || z > r || z < -r {
+            return None;
+        }
+        // Squares in steps of 2^shift units, the radius under 2^14 of them.
+        let shift = (32 - leading_zeros(r as u32)).saturating_sub(14);
+        let square = |c: i32| round_shift(c, shift) * round_shift(c, shift);
+        (square(x) + square(y) + square(z) <= square(r)).then_some(t)
+    }
+
+    /// Area, units².
+    pub fn area(&self) -> Wide {
+        let r = Wide::new(self.radius as u32, 0);
+        r * r * Wide::PI
+    }
+}
+
+impl Rectangle {
+    /// From its centre, two directions at right angles, and half the side lengths along them.
+    ///
+    /// `None` where u and v are (nearly) parallel. v is turned within the plane until it is at right angles to u.
+    pub fn new(center: Point, u: Dir, v: Dir, half: [i32; 2]) -> Option<Rectangle> {
+        let normal = perpendicular(u, v)?;
+        let v = perpendicular(normal, u)?;
+        Some(Rectangle { center, u, v, normal, half })
+    }
+
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        let t = crossing(self.center, self.normal, ray)?;
+        if t >= t_max {
+            return None;
+        }
+        // Coordinates are rounded down by up to 3 units.
+        let p = self.center.to(ray.at(t));
+        let x = p.dot(self.u);
+        if x > self.half[0] || x < -self.half[0] - 3 {
+            return None;
+        }
+        let y = p.dot(self.v);
+        (y <= self.half[1] && y >= -self.half[1] - 3).then_some(t)
+    }
+
+    /// Area, units².
+    pub fn area(&self) -> Wide {
+        Wide::new(self.half[0] as u32, 1) * Wide::new(self.half[1] as u32, 1)
+    }
+}
+
+/// a × b as a direction.
+fn perpendicular(a: Dir, b: Dir) -> Option<Dir> {
+    // Q16 × Q16 → Q30: each product is at most 2^30, and so is a component of the result.
+    let (a, b) = (a.0, b.0);
+    let minor = |i: usize, j: usize| mul_shift(a[i], b[j], 2).wrapping_sub(mul_shift(a[j], b[i], 2));
+    Dir::new([minor(1, 2), minor(2, 0), minor(0, 1)])
+}
+
+/// Distance along the ray to a plane, t > 0, at most [`FAR`].
+///
+/// t = −(o − p)·n / (d·n), the closed form; the quotient's relative error is 2^-24 / |d·n| plus 2^-28.
+#[inline]
+fn crossing(point: Point, normal: Dir, ray: &Ray) -> Option<i32> {
+    let height = point.to(ray.origin).dot(normal);
+    let slope = ray.dir.dot_q24(normal);
+    // They meet in front only if one is positive and the other negative.
+    if (height ^ slope) >= 0 || slope == 0 {
+        return None;
+    }
+    let (height, slope) = (height.unsigned_abs(), slope.unsigned_abs());
+    if height >> 5 >= slope {
+        return (height > 0).then_some(FAR);
+    }
+    let t = recip(slope).times(height as i32, 24);
+    (t > 0).then_some(t)
+}
+
+/// A point near a plane, brought onto it along the normal.
+#[inline]
+pub fn onto_plane(point: Point, normal: Dir, near: Point) -> Point {
+    near.along(normal, -point.to(near).dot(normal))
+}
