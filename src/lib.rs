@@ -1,6 +1,24 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-pub mod color;
 pub mod num;
+
+pub mod color;
+
 pub mod geom;
+
+pub mod sampler;
+
+pub mod shape;
+
+pub mod material;
+
+pub mod light;
+
+pub mod camera;
+
+pub mod scene;
+
+pub mod integrator;
+
+pub mod render;

@@ -1,6 +1,6 @@
 //! From uniform numbers to distributions: every warp is a pair, `sample` and `pdf`.
 
-use super::Uniform;
+use crate::num::Uniform;
 use crate::geom::Dir;
 use crate::num::{ONE_Q16, Turn, Wide, isqrt, mul_q16, sin_cos};
 
