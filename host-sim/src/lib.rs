@@ -1,3 +1,4 @@
 //! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
 
 pub mod desc;
+pub mod quantise;

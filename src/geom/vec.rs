@@ -124,6 +124,16 @@ impl Dir {
         high + (low >> 8)
     }
 
+    /// The direction at right angles to both, self × other; `None` if they are (nearly) parallel.
+    pub fn cross(self, other: Dir) -> Option<Dir> {
+        // Q16 × Q16 → Q30: each product is at most 2^30, and so is a component of the result.
+        let (a, b) = (self.0, other.0);
+        let minor = |i: usize, j: usize| mul_shift(a[i], b[j], 2).wrapping_sub(mul_shift(a[j], b[i], 2));
+        let v = [minor(1, 2), minor(2, 0), minor(0, 1)];
+        // Below 2^-10 the rounded factors decide where it points.
+        if v.iter().all(|c| c.abs() < 1 << 20) { None } else { Dir::new(v) }
+    }
+
     /// The offset of `distance` units this way, rounded down.
     #[inline]
     pub const fn times(self, distance: i32) -> Offset {

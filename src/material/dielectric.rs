@@ -78,12 +78,12 @@ pub fn fresnel_dielectric(cos_i: i32, eta: i32, inv_eta: i32) -> (i32, i32) {
     let cos_bits = (cos_i.min(ONE_Q16 - 1) as u32) << 16;
     let sin2_i = !mul_hi(cos_bits, cos_bits);
     let inv2 = mul_q16(inv_eta, inv_eta);
-    // 1/η² ≤ 16 in Q16 has 21 bits; halve sin² 11 times to have room, and see whether 2^32 is passed.
-    let sin2_t = (mul_hi(sin2_i, (inv2 as u32) << 11) as u64) << 5;
-    if sin2_t >= 1 << 32 {
+    // 1/η² ≤ 16 in Q16 has 21 bits: as Q27, so is the product.
+    let sin2_t = mul_hi(sin2_i, (inv2 as u32) << 11);
+    if sin2_t >= 1 << 27 {
         return (ONE_Q16, 0);
     }
-    let cos_t = isqrt(!(sin2_t as u32)) as i32;
+    let cos_t = isqrt(!(sin2_t << 5)) as i32;
     let ratio = |a: i32, b: i32| {
         let r = recip((a + b).max(1) as u32).times(a - b, 16);
         mul_q16(r, r)

@@ -65,6 +65,18 @@ impl Material {
         Material::Mirror { reflectance, two_sided: true }
     }
 
+    /// Whether every reflectance is at most 1.
+    pub fn is_valid(&self) -> bool {
+        match self {
+            Material::Black => true,
+            Material::Lambert { albedo, .. } | Material::Mirror { reflectance: albedo, .. } => albedo.is_valid(),
+            Material::Dielectric(dielectric) => {
+                let (reflectance, transmittance) = dielectric.tints();
+                reflectance.is_valid() && transmittance.is_valid()
+            }
+        }
+    }
+
     /// Whether light samples can contribute: the BSDF is not a delta distribution alone.
     #[inline]
     pub const fn is_smooth(&self) -> bool {

@@ -1,7 +1,7 @@
 //! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
 
 use crate::geom::{Dir, FAR, Point, Ray};
-use crate::num::{Wide, leading_zeros, mul_shift, recip, round_shift};
+use crate::num::{Wide, leading_zeros, recip, round_shift};
 
 /// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
 ///
@@ -83,8 +83,8 @@ impl Rectangle {
     ///
     /// `None` where u and v are (nearly) parallel. v is turned within the plane until it is at right angles to u.
     pub fn new(center: Point, u: Dir, v: Dir, half: [i32; 2]) -> Option<Rectangle> {
-        let normal = perpendicular(u, v)?;
-        let v = perpendicular(normal, u)?;
+        let normal = u.cross(v)?;
+        let v = normal.cross(u)?;
         Some(Rectangle { center, u, v, normal, half })
     }
 
@@ -108,14 +108,6 @@ impl Rectangle {
     pub fn area(&self) -> Wide {
         Wide::new(self.half[0] as u32, 1) * Wide::new(self.half[1] as u32, 1)
     }
-}
-
-/// a × b as a direction.
-fn perpendicular(a: Dir, b: Dir) -> Option<Dir> {
-    // Q16 × Q16 → Q30: each product is at most 2^30, and so is a component of the result.
-    let (a, b) = (a.0, b.0);
-    let minor = |i: usize, j: usize| mul_shift(a[i], b[j], 2).wrapping_sub(mul_shift(a[j], b[i], 2));
-    Dir::new([minor(1, 2), minor(2, 0), minor(0, 1)])
 }
 
 /// Distance along the ray to a plane, t > 0, at most [`FAR`].

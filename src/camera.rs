@@ -1,0 +1,124 @@
+//! From a place in the picture to a ray.
+
+use crate::geom::{Dir, Point, Ray};
+use crate::num::{ONE_Q16, Recip, Uniform, mul_shift, recip};
+use crate::sampler::warp;
+use fixed::types::I12F20;
+
+/// A perspective camera: pinhole, or thin lens where it has an aperture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    origin: Point,
+    right: Dir,
+    up: Dir,
+    forward: Dir,
+    /// Half the picture's width at distance 1: the tangent of half the horizontal field of view, Q20.
+    tan_half: I12F20,
+    /// Radius of the lens and distance of what is in focus along `forward`, units; radius 0 for a pinhole.
+    lens: (i32, i32),
+}
+
+impl Camera {
+    /// At `origin`, looking at `target`, `up` (any length) upwards in the picture.
+    ///
+    /// `None` if there is no way to look, or none that is not along `up`.
+    pub fn look_at(origin: Point, target: Point, up: [i32; 3], tan_half: I12F20) -> Option<Camera> {
+        let (forward, _) = origin.to(target).normalize()?;
+        let up = Dir::new(up)?;
+        let right = forward.cross(up)?;
+        let up = right.cross(forward)?;
+        Some(Camera { origin, right, up, forward, tan_half, lens: (0, 1) })
+    }
+
+    /// From three directions at right angles: right and up in the picture, and forward into it.
+    pub const fn from_frame(origin: Point, [right, up, forward]: [Dir; 3], tan_half: I12F20) -> Camera {
+        Camera { origin, right, up, forward, tan_half, lens: (0, 1) }
+    }
+
+    /// The same with a lens of this radius, in focus at this distance along the view, units.
+    pub const fn with_lens(self, radius: i32, focus: i32) -> Camera {
+        Camera { lens: (radius, focus), ..self }
+    }
+
+    /// Half the picture's width at distance 1 for a horizontal field of view: tan(angle / 2), to about 2^-15.
+    ///
+    /// Angles in whole turns, 0 ..< ½ (180°); wider ones than 176° count as that.
+    pub fn tan_half(field_of_view: crate::num::Turn) -> I12F20 {
+        let half = crate::num::Turn::from_bits((field_of_view.to_bits() / 2).min(0x3e93_e93e));
+        let (sin, cos) = crate::num::sin_cos(half);
+        I12F20::from_bits(recip(cos.max(1) as u32).times(sin, 20))
+    }
+
+    pub const fn origin(&self) -> Point {
+        self.origin
+    }
+
+    /// Right, up, forward.
+    pub const fn frame(&self) -> [Dir; 3] {
+        [self.right, self.up, self.forward]
+    }
+
+    /// As given: tangent of half the horizontal field of view.
+    pub const fn half_width(&self) -> I12F20 {
+        self.tan_half
+    }
+
+    /// Lens radius and focus distance, units.
+    pub const fn lens(&self) -> (i32, i32) {
+        self.lens
+    }
+
+    /// Whether rays start anywhere on a lens.
+    pub const fn has_lens(&self) -> bool {
+        self.lens.0 > 0
+    }
+
+    /// What stays the same over a picture of `width` × `height` pixels.
+    pub fn film(&self, width: u16, height: u16) -> FilmPlane {
+        FilmPlane {
+            camera: *self,
+            half_width: width as i32 * ONE_Q16,
+            half_height: height as i32 * ONE_Q16,
+            per_width: recip(width as u32),
+        }
+    }
+}
+
+/// A camera with a picture's size: pixel (x, y) covers [x, x + 1) × [y, y + 1), y down.
+#[derive(Clone, Copy, Debug)]
+pub struct FilmPlane {
+    camera: Camera,
+    /// Half the width and height in half-pixels, Q16.
+    half_width: i32,
+    half_height: i32,
+    per_width: Recip,
+}
+
+impl FilmPlane {
+    /// The ray through a place in the pixel; `lens` chooses a place on the lens, if there is one.
+    ///
+    /// Direction: right to 2^-16 a component.
+    #[inline]
+    pub fn ray(&self, x: u16, y: u16, place: [Uniform; 2], lens: [Uniform; 2]) -> Option<Ray> {
+        let camera = &self.camera;
+        // From the middle, in half-pixels Q16 (under 2^30), times tan/width: Q20 at distance 1.
+        let across = |pixel: u16, u: Uniform| ((pixel as i32) << 17) + (u.to_bits() >> 15) as i32;
+        let dx = across(x, place[0]) - self.half_width;
+        let dy = self.half_height - across(y, place[1]);
+        let tan = camera.tan_half.to_bits();
+        let to_plane = |d: i32| mul_shift(self.per_width.times(d, 10), tan, 26);
+        let (sx, sy) = (to_plane(dx), to_plane(dy));
+        let (r, u, f) = (camera.right.0, camera.up.0, camera.forward.0);
+        let part = |i: usize| (f[i] << 4) + mul_shift(sx, r[i], 16) + mul_shift(sy, u[i], 16);
+        let through = [part(0), part(1), part(2)];
+        if !camera.has_lens() {
+            return Some(Ray { origin: camera.origin, dir: Dir::new(through)? });
+        }
+        let (radius, focus) = camera.lens;
+        let [lx, ly] = warp::sample_disk(lens);
+        let scale = |by: i32| crate::num::mul_q16(radius, by);
+        let origin = camera.origin.along(camera.right, scale(lx)).along(camera.up, scale(ly));
+        let in_focus = camera.origin.add(crate::geom::Offset(through.map(|c| mul_shift(focus, c, 20))));
+        Some(Ray { origin, dir: origin.to(in_focus).normalize()?.0 })
+    }
+}

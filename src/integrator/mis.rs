@@ -1,0 +1,11 @@
+use crate::num::Wide;
+
+/// The power heuristic with exponent 2 for one sample of each kind: a² / (a² + b²) (Veach 1997, equation 9.13).
+#[inline]
+pub fn power_heuristic(a: Wide, b: Wide) -> Wide {
+    if a.is_zero() {
+        return Wide::ZERO;
+    }
+    let ratio = b / a;
+    (Wide::ONE + ratio * ratio).recip()
+}

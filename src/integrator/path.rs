@@ -1,0 +1,125 @@
+use super::power_heuristic;
+use crate::color::Radiance;
+use crate::geom::Ray;
+use crate::light::choose;
+use crate::num::{Uniform, Wide};
+use crate::sampler::Sampler;
+use crate::scene::{Scene, Vertex};
+
+/// Path tracing: at each vertex a light is sampled and the BSDF is sampled, joined by multiple importance sampling.
+///
+/// Kajiya, "The Rendering Equation", 1986; Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997,
+/// chapter 9.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Path {
+    /// Paths of at most this many segments: 1 for emission only, 2 for direct light.
+    pub max_depth: u16,
+    /// From this many segments on, Russian roulette may end a path.
+    pub rr_depth: u16,
+    /// Lights are not seen by the camera itself.
+    pub hide_emitters: bool,
+}
+
+impl Path {
+    /// As Mitsuba has it: roulette from the fifth segment on.
+    pub const fn new(max_depth: u16) -> Path {
+        Path { max_depth, rr_depth: 5, hide_emitters: false }
+    }
+
+    /// Direct light only: paths of at most two segments.
+    pub const fn direct() -> Path {
+        Path::new(2)
+    }
+
+    /// One sample of the radiance that comes back along the ray.
+    ///
+    /// Draws the same numbers at each vertex whatever it finds there: light choice and roulette (1-D), place on the
+    /// light (2-D), lobe (1-D), direction (2-D).
+    pub fn radiance(&self, scene: &Scene, ray: Ray, sampler: &mut impl Sampler) -> Radiance {
+        let mut ray = ray;
+        let mut sum = Radiance::BLACK;
+        let mut throughput = Radiance::WHITE;
+        let mut eta_squared = Wide::ONE;
+        // Of the direction that led here; none for the camera's and for a delta distribution's.
+        let mut bsdf_pdf = Wide::ZERO;
+        let mut depth = 0;
+        while depth < self.max_depth {
+            depth += 1;
+            let visible = depth > 1 || !self.hide_emitters;
+            let Some(hit) = scene.closest(&ray) else {
+                if visible {
+                    sum = sum.add(throughput.mul(scene.environment()));
+                }
+                break;
+            };
+            let vertex = scene.vertex(&ray, &hit);
+
+            // Add what the surface emits, weighted against the light sample that could have found it.
+            if visible && let Some(light) = vertex.light {
+                let weight = if bsdf_pdf.is_zero() {
+                    Wide::ONE
+                } else {
+                    power_heuristic(bsdf_pdf, scene.light_pdf(light, ray.origin, ray.dir, &hit))
+                };
+                sum = sum.add(throughput.mul(vertex.emission).scale(weight));
+            }
+            if depth >= self.max_depth {
+                break;
+            }
+
+            let (choice, place) = (sampler.next_1d(), sampler.next_2d());
+            let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
+            let (light, roulette) = choose(choice, scene.light_count());
+            if vertex.material.is_smooth() {
+                let direct = self.sample_light(scene, &vertex, light, place);
+                sum = sum.add(throughput.mul(direct));
+            }
+
+            // Go on in a direction drawn from the BSDF.
+            let Some(sample) = vertex.material.sample(&vertex.local(), direction, lobe) else {
+                break;
+            };
+            throughput = throughput.mul(sample.weight);
+            if throughput.is_black() {
+                break;
+            }
+            eta_squared = eta_squared * sample.eta_squared;
+            bsdf_pdf = sample.pdf;
+            ray = Ray { origin: vertex.surface.leave(sample.wi), dir: sample.wi };
+
+            // End paths that carry little, and let the others make up for it.
+            if depth >= self.rr_depth {
+                let survival = (throughput.max_channel() * eta_squared).to_fixed(16).min(62_259);
+                if (roulette.to_bits() >> 16) >= survival {
+                    break;
+                }
+                throughput = throughput.scale(Wide::new(survival, -16).recip());
+            }
+        }
+        sum
+    }
+
+    /// The light that one sample of one light sends over the vertex, weighted against the BSDF sample that could have
+    /// found it.
+    #[inline]
+    fn sample_light(&self, scene: &Scene, vertex: &Vertex, light: u32, place: [Uniform; 2]) -> Radiance {
+        let Some(sample) = scene.sample_light(light, vertex.surface.point, place) else {
+            return Radiance::BLACK;
+        };
+        let Some((reflected, bsdf_pdf)) = vertex.material.eval(&vertex.local(), sample.wi) else {
+            return Radiance::BLACK;
+        };
+        let shadow = Ray { origin: vertex.surface.leave(sample.wi), dir: sample.wi };
+        if scene.occluded(&shadow, sample.distance) {
+            return Radiance::BLACK;
+        }
+        let arriving = reflected.mul(sample.radiance);
+        // One of `light_count` is chosen: the density is that much smaller.
+        let count = Wide::new(scene.light_count(), 0);
+        if sample.is_delta() {
+            return arriving.scale(count);
+        }
+        let pdf = sample.pdf / count;
+        arriving.scale(power_heuristic(pdf, bsdf_pdf) / pdf)
+    }
+}

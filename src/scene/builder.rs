@@ -1,0 +1,101 @@
+use super::{Parts, Scene, SceneError, Shape};
+use crate::color::Radiance;
+use crate::geom::Unit;
+use crate::light::Light;
+use crate::material::Material;
+use crate::shape::Geometry;
+use heapless::Vec;
+
+/// Names a material of a [`SceneBuilder`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MaterialId(u16);
+
+/// A scene on the stack: room for `SHAPES`, `MATERIALS` and `LIGHTS` (an emitting shape takes one of each).
+#[derive(Clone, Debug)]
+pub struct SceneBuilder<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> {
+    unit: Unit,
+    shapes: Vec<Shape, SHAPES>,
+    materials: Vec<Material, MATERIALS>,
+    lights: Vec<Light, LIGHTS>,
+    environment: Option<Light>,
+}
+
+impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuilder<SHAPES, MATERIALS, LIGHTS> {
+    /// An empty scene in the default unit.
+    pub const fn new() -> Self {
+        Self::with_unit(Unit::DEFAULT)
+    }
+
+    /// An empty scene in a unit of one's own.
+    pub const fn with_unit(unit: Unit) -> Self {
+        SceneBuilder { unit, shapes: Vec::new(), materials: Vec::new(), lights: Vec::new(), environment: None }
+    }
+
+    pub const fn unit(&self) -> Unit {
+        self.unit
+    }
+
+    /// A material for shapes to name.
+    pub fn material(&mut self, material: Material) -> Result<MaterialId, SceneError> {
+        let id = self.materials.len();
+        let full = |_| SceneError::Full { what: "materials", needed: MATERIALS + 1 };
+        self.materials.push(material).map_err(full)?;
+        Ok(MaterialId(id as u16))
+    }
+
+    /// A shape that does not emit light. Shapes are numbered as they come.
+    pub fn shape(&mut self, geometry: impl Into<Geometry>, material: MaterialId) -> Result<(), SceneError> {
+        self.push(geometry.into(), material, None)
+    }
+
+    /// A shape that emits `radiance` on the side of its normal.
+    pub fn emitter(
+        &mut self,
+        geometry: impl Into<Geometry>,
+        material: MaterialId,
+        radiance: Radiance,
+    ) -> Result<(), SceneError> {
+        let (shape, light) = (self.shapes.len() as u16, self.lights.len() as u16);
+        self.push(geometry.into(), material, Some(light))?;
+        self.light(Light::Area { shape, radiance })
+    }
+
+    /// A light that is no shape. An environment may be given once.
+    pub fn light(&mut self, light: Light) -> Result<(), SceneError> {
+        if matches!(light, Light::Environment { .. }) {
+            if self.environment.replace(light).is_some() {
+                return Err(SceneError::Environment { light: self.lights.len() as u16 });
+            }
+            return Ok(());
+        }
+        self.lights.push(light).map_err(|_| SceneError::Full { what: "lights", needed: LIGHTS + 1 })
+    }
+
+    fn push(&mut self, geometry: Geometry, material: MaterialId, light: Option<u16>) -> Result<(), SceneError> {
+        let id = self.shapes.len() as u16;
+        let shape = Shape { geometry, material: material.0, light, id };
+        self.shapes.push(shape).map_err(|_| SceneError::Full { what: "shapes", needed: SHAPES + 1 })
+    }
+
+    /// The border: checks the scene and lends it out.
+    pub fn build(&mut self) -> Result<Scene<'_>, SceneError> {
+        if let Some(environment) = self.environment.take() {
+            let full = |_| SceneError::Full { what: "lights", needed: LIGHTS + 1 };
+            self.lights.push(environment).map_err(full)?;
+        }
+        Scene::new(Parts {
+            unit: self.unit,
+            shapes: &self.shapes,
+            materials: &self.materials,
+            lights: &self.lights,
+        })
+    }
+}
+
+impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> Default
+    for SceneBuilder<SHAPES, MATERIALS, LIGHTS>
+{
+    fn default() -> Self {
+        Self::new()
+    }
+}

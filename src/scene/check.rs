@@ -1,0 +1,157 @@
+use super::{Parts, Scene};
+use crate::color::Radiance;
+use crate::geom::{Dir, Point, REACH};
+use crate::light::Light;
+use crate::num::mul_q16;
+use crate::shape::Geometry;
+
+/// Why a scene can't be rendered. Shapes are named by the user's number, materials and lights by their index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneError {
+    /// Room for one more was wanted: `needed` would have been enough.
+    Full { what: &'static str, needed: usize },
+    /// The shape's material does not exist.
+    NoSuchMaterial { shape: u16, material: u16 },
+    /// The shape's light does not exist, or is not an area light of that shape.
+    NoSuchLight { shape: u16, light: u16 },
+    /// The shape reaches beyond ±[`REACH`] units; take a coarser unit.
+    TooFar { shape: u16 },
+    /// The shape has no extent: a radius or side under one unit, or directions that are not unit vectors.
+    Degenerate { shape: u16 },
+    /// An infinite plane can't be a light.
+    PlaneLight { shape: u16 },
+    /// A reflectance is above 1.
+    Albedo { material: u16 },
+    /// A light's shape does not exist, or does not name it as its light.
+    LightShape { light: u16 },
+    /// A light stands beyond ±2·[`REACH`] units.
+    LightTooFar { light: u16 },
+    /// An environment must be the last light, and there can be one.
+    Environment { light: u16 },
+    /// Nothing in the scene emits light.
+    NoLight,
+}
+
+impl core::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Full { what, needed } => write!(f, "no room for {what}: {needed} are needed"),
+            Self::NoSuchMaterial { shape, material } => {
+                write!(f, "shape {shape}: there is no material {material}")
+            }
+            Self::NoSuchLight { shape, light } => write!(f, "shape {shape}: light {light} is not its area light"),
+            Self::TooFar { shape } => write!(f, "shape {shape}: reaches beyond 2^22 units; take a coarser unit"),
+            Self::Degenerate { shape } => write!(f, "shape {shape}: has no extent"),
+            Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
+            Self::Albedo { material } => write!(f, "material {material}: a reflectance is above 1"),
+            Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
+            Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
+            Self::Environment { light } => write!(f, "light {light}: one environment, after all other lights"),
+            Self::NoLight => write!(f, "nothing in the scene emits light"),
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}
+
+impl SceneError {
+    /// The user's number of the shape at fault, if it is one.
+    pub fn shape(&self) -> Option<u16> {
+        match *self {
+            Self::NoSuchMaterial { shape, .. }
+            | Self::NoSuchLight { shape, .. }
+            | Self::TooFar { shape }
+            | Self::Degenerate { shape }
+            | Self::PlaneLight { shape } => Some(shape),
+            _ => None,
+        }
+    }
+}
+
+impl<'a> Scene<'a> {
+    /// Checks everything once; after this, rendering can't fail.
+    pub fn new(parts: Parts<'a>) -> Result<Scene<'a>, SceneError> {
+        for (index, material) in parts.materials.iter().enumerate() {
+            if !material.is_valid() {
+                return Err(SceneError::Albedo { material: index as u16 });
+            }
+        }
+        for (index, shape) in parts.shapes.iter().enumerate() {
+            check_geometry(&shape.geometry, shape.id)?;
+            if shape.material as usize >= parts.materials.len() {
+                return Err(SceneError::NoSuchMaterial { shape: shape.id, material: shape.material });
+            }
+            if let Some(light) = shape.light {
+                let named = matches!(parts.lights.get(light as usize),
+                    Some(Light::Area { shape, .. }) if *shape as usize == index);
+                if !named {
+                    return Err(SceneError::NoSuchLight { shape: shape.id, light });
+                }
+                if matches!(shape.geometry, Geometry::Plane(_)) {
+                    return Err(SceneError::PlaneLight { shape: shape.id });
+                }
+            }
+        }
+        let mut light_count = 0;
+        let mut environment = None;
+        let mut emits = false;
+        for (index, light) in parts.lights.iter().enumerate() {
+            let index = index as u16;
+            if environment.is_some() {
+                return Err(SceneError::Environment { light: index - 1 });
+            }
+            light_count += 1;
+            emits |= match light {
+                Light::Point { position, intensity } => {
+                    if position.0.iter().any(|c| c.unsigned_abs() > 2 * REACH as u32) {
+                        return Err(SceneError::LightTooFar { light: index });
+                    }
+                    !intensity.is_black()
+                }
+                Light::Directional { irradiance, .. } => !irradiance.is_black(),
+                Light::Area { shape, radiance } => {
+                    if parts.shapes.get(*shape as usize).is_none_or(|s| s.light != Some(index)) {
+                        return Err(SceneError::LightShape { light: index });
+                    }
+                    !radiance.is_black()
+                }
+                Light::Environment { radiance } => {
+                    environment = Some(*radiance);
+                    light_count -= 1;
+                    !radiance.is_black()
+                }
+            };
+        }
+        if !emits {
+            return Err(SceneError::NoLight);
+        }
+        Ok(Scene { parts, light_count, environment: environment.unwrap_or(Radiance::BLACK) })
+    }
+}
+
+fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
+    let unit = |d: Dir| (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12;
+    let far = |p: Point, reach: [i32; 3]| {
+        p.0.iter().zip(reach).any(|(c, r)| c.unsigned_abs() as u64 + r.unsigned_abs() as u64 > REACH as u64)
+    };
+    let size = |r: i32| (1..=REACH).contains(&r);
+    let (fits, extent) = match *geometry {
+        Geometry::Sphere(s) => (!far(s.center, [s.radius; 3]), size(s.radius)),
+        Geometry::Plane(p) => (!far(p.point, [0; 3]), unit(p.normal)),
+        Geometry::Disk(d) => (!far(d.center, [d.radius; 3]), size(d.radius) && unit(d.normal)),
+        Geometry::Rectangle(r) => {
+            let [a, b] = r.half;
+            let reach = [0, 1, 2].map(|i| mul_q16(a, r.u.0[i].abs()) + mul_q16(b, r.v.0[i].abs()));
+            let square = unit(r.u) && unit(r.v) && unit(r.normal) && r.u.dot(r.v).abs() <= 16;
+            (!far(r.center, reach), size(a) && size(b) && square)
+        }
+        Geometry::Mesh(_) => (true, true),
+    };
+    if !extent {
+        return Err(SceneError::Degenerate { shape });
+    }
+    if !fits {
+        return Err(SceneError::TooFar { shape });
+    }
+    Ok(())
+}

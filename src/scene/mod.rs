@@ -1,0 +1,169 @@
+//! The scene: borrowed, checked once at [`Scene::new`], then safe to render.
+
+mod builder;
+mod check;
+
+use crate::color::Radiance;
+use crate::geom::{Dir, FAR, Point, Ray, Unit};
+use crate::light::{self, Emitter, Light, LightSample};
+use crate::material::{Local, Material};
+use crate::num::{Uniform, Wide};
+use crate::shape::{Geometry, Surface};
+
+pub use builder::{MaterialId, SceneBuilder};
+pub use check::SceneError;
+
+/// A shape with what it is made of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    pub geometry: Geometry,
+    /// Index into the scene's materials.
+    pub material: u16,
+    /// Index of the area light that the shape is.
+    pub light: Option<u16>,
+    /// The user's number for it: what errors and the `id` layer name.
+    pub id: u16,
+}
+
+/// What a scene is made of; [`Scene::new`] checks it.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    pub unit: Unit,
+    pub shapes: &'a [Shape],
+    pub materials: &'a [Material],
+    pub lights: &'a [Light],
+}
+
+/// A scene that can be rendered: everything in it was checked.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene<'a> {
+    parts: Parts<'a>,
+    /// How many lights are drawn from; an environment stands after them.
+    light_count: u32,
+    environment: Radiance,
+}
+
+/// Where a ray met something.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hit {
+    /// Distance along the ray, units.
+    pub t: i32,
+    /// Index into the scene's shapes.
+    pub shape: u16,
+    /// Index of the triangle, in a mesh.
+    pub triangle: u32,
+    /// Weights of the triangle's second and third corner, Q16.
+    pub barycentric: [i32; 2],
+}
+
+/// All that an integrator wants to know about a hit.
+#[derive(Clone, Copy, Debug)]
+pub struct Vertex<'a> {
+    pub surface: Surface,
+    /// Back along the ray.
+    pub wo: Dir,
+    pub material: &'a Material,
+    /// The light that the surface is, seen from its bright side.
+    pub light: Option<u16>,
+    pub emission: Radiance,
+    /// The user's number for the shape.
+    pub id: u16,
+}
+
+impl Vertex<'_> {
+    #[inline]
+    pub fn local(&self) -> Local {
+        Local { normal: self.surface.normal, wo: self.wo }
+    }
+}
+
+impl<'a> Scene<'a> {
+    pub fn unit(&self) -> Unit {
+        self.parts.unit
+    }
+
+    pub fn parts(&self) -> &Parts<'a> {
+        &self.parts
+    }
+
+    /// How many lights [`Self::sample_light`] draws from.
+    #[inline]
+    pub fn light_count(&self) -> u32 {
+        self.light_count
+    }
+
+    /// What comes from where nothing is.
+    #[inline]
+    pub fn environment(&self) -> Radiance {
+        self.environment
+    }
+
+    /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut best = None;
+        let mut t_max = FAR + 1;
+        for (index, shape) in self.parts.shapes.iter().enumerate() {
+            if let Some(t) = shape.geometry.intersect(ray, t_max) {
+                t_max = t;
+                best = Some(Hit { t, shape: index as u16, triangle: 0, barycentric: [0; 2] });
+            }
+        }
+        best
+    }
+
+    /// Whether anything stands within `distance` along the ray.
+    pub fn occluded(&self, ray: &Ray, distance: i32) -> bool {
+        self.parts.shapes.iter().any(|shape| shape.geometry.intersect(ray, distance).is_some())
+    }
+
+    /// The surface where the ray met it.
+    #[inline]
+    pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
+        let near = ray.at(hit.t);
+        let shape = self.parts.shapes.get(hit.shape as usize);
+        let surface = shape
+            .and_then(|shape| shape.geometry.surface(near))
+            .unwrap_or(Surface { point: near, normal: -ray.dir, lift: 0 });
+        let wo = -ray.dir;
+        let material = shape.and_then(|shape| self.parts.materials.get(shape.material as usize));
+        let light = shape.and_then(|shape| shape.light).filter(|_| wo.dot_q24(surface.normal) > 0);
+        let emission = match light.and_then(|light| self.parts.lights.get(light as usize)) {
+            Some(Light::Area { radiance, .. }) => *radiance,
+            _ => Radiance::BLACK,
+        };
+        Vertex {
+            surface,
+            wo,
+            material: material.unwrap_or(&Material::Black),
+            light,
+            emission,
+            id: shape.map_or(0, |shape| shape.id),
+        }
+    }
+
+    /// A direction from a point towards light number `index`; `None` where it can send nothing.
+    #[inline]
+    pub fn sample_light(&self, index: u32, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
+        match *self.parts.lights.get(index as usize)? {
+            Light::Point { position, intensity } => {
+                light::sample_point(position, intensity, from, self.parts.unit.fraction_bits())
+            }
+            Light::Directional { direction, irradiance } => Some(light::sample_directional(direction, irradiance)),
+            Light::Area { shape, radiance } => {
+                let shape = self.parts.shapes.get(shape as usize)?;
+                light::sample_area(Emitter::Shape(&shape.geometry), radiance, from, u)
+            }
+            Light::Environment { .. } => None,
+        }
+    }
+
+    /// The density per solid angle with which choosing a light and sampling it would have led to this hit.
+    #[inline]
+    pub fn light_pdf(&self, light: u16, from: Point, wi: Dir, hit: &Hit) -> Wide {
+        let Some(shape) = self.parts.shapes.get(hit.shape as usize) else {
+            return Wide::ZERO;
+        };
+        debug_assert_eq!(shape.light, Some(light));
+        light::pdf_area(Emitter::Shape(&shape.geometry), from, wi, hit.t) / Wide::new(self.light_count, 0)
+    }
+}

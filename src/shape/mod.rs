@@ -1,0 +1,97 @@
+//! What rays hit: closed forms and triangle meshes.
+//!
+//! Each closed form is intersected relative to itself, so that its error is a share of its own size, and says how far a
+//! ray's origin must be lifted off it so that the ray does not meet it again: bounds from the arithmetic, no epsilon.
+
+mod planar;
+mod sphere;
+
+use crate::geom::{Dir, Point, Ray};
+
+pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
+pub use sphere::Sphere;
+
+/// Where a shape is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Geometry {
+    Sphere(Sphere),
+    Plane(Plane),
+    Disk(Disk),
+    Rectangle(Rectangle),
+    /// Index into the scene's meshes.
+    Mesh(u16),
+}
+
+impl From<Sphere> for Geometry {
+    fn from(shape: Sphere) -> Geometry {
+        Geometry::Sphere(shape)
+    }
+}
+
+impl From<Plane> for Geometry {
+    fn from(shape: Plane) -> Geometry {
+        Geometry::Plane(shape)
+    }
+}
+
+impl From<Disk> for Geometry {
+    fn from(shape: Disk) -> Geometry {
+        Geometry::Disk(shape)
+    }
+}
+
+impl From<Rectangle> for Geometry {
+    fn from(shape: Rectangle) -> Geometry {
+        Geometry::Rectangle(shape)
+    }
+}
+
+impl Geometry {
+    /// Distance to the first crossing with 0 < t < `t_max`; a mesh answers `None`, its own tree is asked.
+    #[inline]
+    pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        match self {
+            Geometry::Sphere(sphere) => sphere.intersect(ray, t_max),
+            Geometry::Plane(plane) => plane.intersect(ray, t_max),
+            Geometry::Disk(disk) => disk.intersect(ray, t_max),
+            Geometry::Rectangle(rectangle) => rectangle.intersect(ray, t_max),
+            Geometry::Mesh(_) => None,
+        }
+    }
+
+    /// The point on a closed form nearest to one found along a ray, the normal there, and the lift.
+    pub fn surface(&self, near: Point) -> Option<Surface> {
+        let (point, normal, lift) = match self {
+            Geometry::Sphere(sphere) => {
+                let (point, normal) = sphere.surface(near);
+                (point, normal, sphere.lift())
+            }
+            Geometry::Plane(Plane { point, normal }) => (onto_plane(*point, *normal, near), *normal, LIFT),
+            Geometry::Disk(Disk { center, normal, .. }) => (onto_plane(*center, *normal, near), *normal, LIFT),
+            Geometry::Rectangle(Rectangle { center, normal, .. }) => {
+                (onto_plane(*center, *normal, near), *normal, LIFT)
+            }
+            Geometry::Mesh(_) => return None,
+        };
+        Some(Surface { point, normal, lift })
+    }
+}
+
+/// A place on a shape.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface {
+    pub point: Point,
+    /// Geometric normal, as the shape says which side is out.
+    pub normal: Dir,
+    /// Distance along the normal that takes a ray's origin clear of the shape, units.
+    pub lift: i32,
+}
+
+impl Surface {
+    /// The origin of a ray that leaves towards `wi`: lifted to the side `wi` points to.
+    #[inline]
+    pub fn leave(&self, wi: Dir) -> Point {
+        let lift = if wi.dot_q24(self.normal) >= 0 { self.lift } else { -self.lift };
+        self.point.along(self.normal, lift)
+    }
+}
