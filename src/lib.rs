@@ -1,6 +1,9 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+#[cfg(test)]
+extern crate std;
+
 pub mod num;
 
 pub mod color;
@@ -11,6 +14,8 @@ pub mod sampler;
 
 pub mod shape;
 
+pub mod bvh;
+
 pub mod material;
 
 pub mod light;
@@ -20,5 +25,7 @@ pub mod camera;
 pub mod scene;
 
 pub mod integrator;
+
+pub mod film;
 
 pub mod render;

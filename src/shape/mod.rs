@@ -3,11 +3,18 @@
 //! Each closed form is intersected relative to itself, so that its error is a share of its own size, and says how far a
 //! ray's origin must be lifted off it so that the ray does not meet it again: bounds from the arithmetic, no epsilon.
 
+mod grid;
+mod mesh;
 mod planar;
 mod sphere;
+pub(crate) mod triangle;
 
 use crate::geom::{Dir, Point, Ray};
 
+pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
+pub use grid::{Bounds, Grid, GridRay, Slopes};
+pub(crate) use mesh::corners;
+pub use mesh::{MeshError, MeshHit, TriangleMesh};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
 pub use sphere::Sphere;
 

@@ -1,0 +1,125 @@
+use crate::shape::Bounds;
+
+/// Four children: their boxes, and where they are.
+///
+/// | byte | what |
+/// |---|---|
+/// | 0 ..= 23 | child planes, u8: for x, y, z the four low ones, then the four high ones |
+/// | 24 ..= 27 | meta: 0 none; 0x80 + i the node `nodes` + i; (count << 4) + offset a leaf of 1 ..= 4 primitives |
+/// | 28 ..= 33 | origin, 3×u16: a plane q lies at origin + (q << exponent) |
+/// | 34 | exponent, 0 ..= 9 |
+/// | 35 | bits 16 ..= 23 of the primitive base |
+/// | 36, 37 | node base: the first inner child |
+/// | 38, 39 | bits 0 ..= 15 of the primitive base: the first primitive of the first leaf |
+///
+/// Planes and meta come first since a Thumb-1 byte load reaches 31 bytes. Little-endian in flash.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Node {
+    pub(crate) planes: Planes,
+    pub(crate) meta: [u8; 4],
+    pub(crate) origin: [u16; 3],
+    pub(crate) exponent: u8,
+    primitives_high: u8,
+    pub(crate) nodes: u16,
+    primitives_low: u16,
+}
+
+/// `[axis][low or high][child]`.
+pub(crate) type Planes = [[[u8; 4]; 2]; 3];
+
+const _: () = assert!(size_of::<Node>() == 40 && align_of::<Node>() == 2);
+const _: () = assert!(core::mem::offset_of!(Node, meta) == 24 && core::mem::offset_of!(Node, origin) == 28);
+const _: () = assert!(core::mem::offset_of!(Node, nodes) == 36);
+
+/// What a slot of a node holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Child {
+    None,
+    Node(u16),
+    Leaf { first: u32, count: u32 },
+}
+
+impl Node {
+    /// Without children.
+    pub const EMPTY: Node = Node {
+        planes: [[[u8::MAX; 4], [0; 4]]; 3],
+        meta: [0; 4],
+        origin: [0; 3],
+        exponent: 0,
+        primitives_high: 0,
+        nodes: 0,
+        primitives_low: 0,
+    };
+
+    /// Around `bounds`, with the finest exponent that reaches across; leaves count from `primitives` (< 2^24).
+    pub(crate) fn around(bounds: Bounds, nodes: u16, primitives: u32) -> Node {
+        let extent = (0..3).map(|a| bounds.high[a].saturating_sub(bounds.low[a])).max().unwrap_or(0) as u32;
+        // 255 << 9 > 65535.
+        let exponent = (0..9).find(|&e| extent <= 255 << e).unwrap_or(9);
+        Node {
+            origin: bounds.low,
+            exponent,
+            primitives_high: (primitives >> 16) as u8,
+            nodes,
+            primitives_low: primitives as u16,
+            ..Node::EMPTY
+        }
+    }
+
+    /// Put a child in a slot: planes rounded outwards from a box within the node's.
+    pub(crate) fn set(&mut self, slot: usize, bounds: Bounds, meta: u8) {
+        let e = self.exponent;
+        for (a, planes) in self.planes.iter_mut().enumerate() {
+            let low = bounds.low[a].saturating_sub(self.origin[a]) as u32;
+            let high = bounds.high[a].saturating_sub(self.origin[a]) as u32;
+            planes[0][slot & 3] = (low >> e) as u8;
+            planes[1][slot & 3] = ((high + (1 << e) - 1) >> e) as u8;
+        }
+        self.meta[slot & 3] = meta;
+    }
+
+    /// The first primitive of the node's leaves.
+    #[inline(always)]
+    pub(crate) const fn primitives(&self) -> u32 {
+        (self.primitives_high as u32) << 16 | self.primitives_low as u32
+    }
+
+    #[inline(always)]
+    pub(crate) const fn child(&self, meta: u8) -> Child {
+        if meta & 0x80 != 0 {
+            Child::Node(self.nodes.wrapping_add((meta & 3) as u16))
+        } else if meta >= 0x10 {
+            Child::Leaf { first: self.primitives() + (meta & 15) as u32, count: (meta >> 4) as u32 }
+        } else {
+            Child::None
+        }
+    }
+
+    /// A child's box as its planes give it, grid coordinates: what lies beyond the cube is cut off.
+    pub(crate) fn bounds(&self, slot: usize) -> Bounds {
+        let plane = |a: usize, side: usize| {
+            let q = self.planes[a][side][slot & 3] as u32;
+            (self.origin[a] as u32 + (q << (self.exponent & 15))).min(65535) as u16
+        };
+        Bounds { low: [0, 1, 2].map(|a| plane(a, 0)), high: [0, 1, 2].map(|a| plane(a, 1)) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_round_outwards() {
+        let all = Bounds { low: [9, 100, 1000], high: [1009, 300, 1300] };
+        let mut node = Node::around(all, 5, 70_000);
+        assert_eq!((node.exponent, node.primitives()), (2, 70_000));
+        let part = Bounds { low: [10, 103, 1001], high: [1009, 299, 1300] };
+        node.set(1, part, 0x23);
+        assert_eq!(node.bounds(1), Bounds { low: [9, 100, 1000], high: [1009, 300, 1300] });
+        assert_eq!(node.child(node.meta[1]), Child::Leaf { first: 70_003, count: 2 });
+        assert_eq!(node.child(0x82), Child::Node(7));
+        assert_eq!(node.child(node.meta[0]), Child::None);
+    }
+}

@@ -1,0 +1,303 @@
+use crate::geom::{Dir, Point, Ray};
+use crate::num::{mul_q16, mul_shift, recip};
+
+/// Fraction bits of a slope.
+pub(crate) const SLOPE_BITS: u32 = 13;
+/// Fraction bits of a depth along the dominant axis.
+pub(crate) const DEPTH_BITS: u32 = 4;
+/// Largest grid coordinate.
+pub(crate) const LAST: i32 = 65535;
+
+/// A cube of 2^16 steps a side in the scene frame: scene = origin + (g << shift), axes parallel to the scene's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grid {
+    origin: Point,
+    shift: u8,
+}
+
+impl Grid {
+    /// Largest `shift`: a cube of 2^24 units, twice what [`crate::geom::REACH`] asks for.
+    pub const MAX_SHIFT: u8 = 8;
+    /// Steps that stay free at each face of the cube, so that padded boxes and entry points never leave it.
+    pub const MARGIN: u16 = 8;
+    /// Bound of an origin's coordinates, units.
+    const MAX_ORIGIN: u32 = 1 << 25;
+
+    /// `None` if `shift` is above [`Grid::MAX_SHIFT`] or the origin beyond ±2^25 units.
+    pub const fn new(origin: Point, shift: u8) -> Option<Grid> {
+        let [x, y, z] = origin.0;
+        let near = x.unsigned_abs() <= Grid::MAX_ORIGIN
+            && y.unsigned_abs() <= Grid::MAX_ORIGIN
+            && z.unsigned_abs() <= Grid::MAX_ORIGIN;
+        if near && shift <= Grid::MAX_SHIFT { Some(Grid { origin, shift }) } else { None }
+    }
+
+    /// The finest grid that holds the box from `low` to `high` with `margin` steps to spare on each side.
+    pub fn around(low: Point, high: Point, margin: u16) -> Option<Grid> {
+        (0..=Grid::MAX_SHIFT).find_map(|shift| {
+            let grid = Grid::new(Point(low.0.map(|c| c.saturating_sub((margin as i32) << shift))), shift)?;
+            let last = grid.to_scene([u16::MAX - margin; 3]);
+            (0..3).all(|a| high.0[a] <= last.0[a] && low.0[a] <= high.0[a]).then_some(grid)
+        })
+    }
+
+    #[inline]
+    pub const fn origin(&self) -> Point {
+        self.origin
+    }
+
+    /// A step is 2^shift scene units.
+    #[inline]
+    pub const fn shift(&self) -> u32 {
+        self.shift as u32
+    }
+
+    /// Where a grid point lies, exactly.
+    #[inline]
+    pub const fn to_scene(&self, g: [u16; 3]) -> Point {
+        let (o, s) = (self.origin.0, self.shift);
+        Point([o[0] + ((g[0] as i32) << s), o[1] + ((g[1] as i32) << s), o[2] + ((g[2] as i32) << s)])
+    }
+
+    /// The smallest box of steps around a box of the scene; what lies outside the cube is cut off.
+    pub fn enclose(&self, low: Point, high: Point) -> Bounds {
+        let step = |c: i32, o: i32, up: i32| {
+            ((c.saturating_sub(o).saturating_add(up)) >> self.shift).clamp(0, LAST) as u16
+        };
+        let (o, up) = (self.origin.0, (1 << self.shift) - 1);
+        Bounds {
+            low: [0, 1, 2].map(|a| step(low.0[a], o[a], 0)),
+            high: [0, 1, 2].map(|a| step(high.0[a], o[a], up)),
+        }
+    }
+}
+
+/// A box of grid coordinates, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    pub low: [u16; 3],
+    pub high: [u16; 3],
+}
+
+impl Bounds {
+    /// Around nothing: the identity of [`Bounds::union`].
+    pub const EMPTY: Bounds = Bounds { low: [u16::MAX; 3], high: [0; 3] };
+
+    /// Around some points.
+    #[inline]
+    pub fn of(points: &[[u16; 3]]) -> Bounds {
+        points.iter().fold(Bounds::EMPTY, |b, &p| b.union(Bounds { low: p, high: p }))
+    }
+
+    #[inline]
+    pub fn union(self, other: Bounds) -> Bounds {
+        Bounds {
+            low: [0, 1, 2].map(|a| self.low[a].min(other.low[a])),
+            high: [0, 1, 2].map(|a| self.high[a].max(other.high[a])),
+        }
+    }
+
+    /// Grown by `steps` on each side, cut at the cube's faces.
+    #[inline]
+    pub fn pad(self, steps: u16) -> Bounds {
+        Bounds {
+            low: self.low.map(|c| c.saturating_sub(steps)),
+            high: self.high.map(|c| c.saturating_add(steps)),
+        }
+    }
+
+    #[inline]
+    pub fn contains(&self, other: Bounds) -> bool {
+        (0..3).all(|a| self.low[a] <= other.low[a] && other.high[a] <= self.high[a])
+    }
+}
+
+/// What of a ray's direction every grid shares.
+///
+/// The dominant axis k is that of the largest component; of equals the first of x, y, z. The slopes d_a/d_k of the
+/// two axes that follow k in cyclic order lie in −1 ..= 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Slopes {
+    axis: u8,
+    negative: bool,
+    /// Q13, rounded to nearest: within ±2^13.
+    slopes: [i32; 2],
+    /// Q30, error 2^-28 at most.
+    fine: [i32; 2],
+    /// |d_k|, Q16.
+    cosine: u32,
+    /// 1/|d_k|, Q30, relative error 2^-28 at most: 2^30 ..= √3·2^30.
+    inverse: i32,
+}
+
+impl Slopes {
+    /// Of a unit vector. (Of anything else: slopes within their range, depths that mean nothing.)
+    #[inline]
+    pub fn new(dir: Dir) -> Slopes {
+        let size = dir.0.map(i32::unsigned_abs);
+        let axis = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + (size[2] > size[1]) as u8 };
+        let [dx, dy, dk] = rotate(axis, dir.0);
+        let cosine = dk.unsigned_abs();
+        // 2^16/|d_k| = mantissa · 2^(16 − shift), and shift is 47 below one, 48 from one on.
+        let r = recip(cosine);
+        let down = if r.shift < 48 { 1 } else { 2 };
+        let inverse = ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32;
+        let signed = if dk < 0 { -inverse } else { inverse };
+        let fine = [mul_q16(signed, dx), mul_q16(signed, dy)];
+        let slopes = fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
+        Slopes { axis, negative: dk < 0, slopes, fine, cosine, inverse }
+    }
+}
+
+/// A ray as a grid sees it: an integer origin, a dominant axis, two slopes.
+///
+/// Every decision of box and triangle tests is an exact predicate of this ray. Its components are in the order
+/// (k+1, k+2, k) of the dominant axis k.
+#[derive(Clone, Copy, Debug)]
+pub struct GridRay {
+    /// Grid steps: −65536 ..= 131071 across, 0 ..= 65535 along.
+    pub(crate) origin: [i32; 3],
+    /// Q13, within ±2^13: steps across for a step along the (signed) axis.
+    pub(crate) slopes: [i32; 2],
+    pub(crate) negative: bool,
+    pub(crate) axis: u8,
+    shift: u8,
+    cosine: u32,
+    inverse: i32,
+    /// From the true origin to this one, scene units; from −√3·2^(shift−1).
+    start: i32,
+}
+
+impl GridRay {
+    /// The ray in a grid, or `None` where it misses the cube.
+    ///
+    /// The origin is moved along the true ray to an integer plane of the dominant axis: the nearest if it is inside,
+    /// else the face it comes to. Then its other two coordinates are rounded to nearest, so that the quantised ray
+    /// starts within ½ step of the true one in each. It misses for good if it is beyond the cube and leaving, or
+    /// 65536 steps beside it: along the cube it moves across by 65535 steps at most. Origins within ±2^30 units.
+    #[inline]
+    pub fn enter(grid: &Grid, ray: &Ray, slopes: &Slopes) -> Option<GridRay> {
+        let shift = grid.shift;
+        let half = (1 << shift) >> 1;
+        // |from| ≤ 2^30 + 2^25.
+        let [x, y, z] = rotate(slopes.axis, grid.origin.to(ray.origin).0);
+        let nearest = z.wrapping_add(half) >> shift;
+        let inside = nearest as u32 <= LAST as u32;
+        let plane = match (inside, slopes.negative) {
+            (true, _) => nearest,
+            (_, false) if nearest < 0 => 0,
+            (_, true) if nearest > LAST => LAST,
+            _ => return None,
+        };
+        let ahead = (plane << shift).wrapping_sub(z);
+        // Inside, |ahead| ≤ 2^7 and the short slope is enough: the product is under 2^20.
+        let across = |from: i32, slope: i32, fine: i32| {
+            let aside = if inside { (ahead * slope) >> SLOPE_BITS } else { mul_shift(ahead, fine, 30) };
+            // Both terms are under 2^30 + 2^26. A sum that wraps comes out beyond ±2^31 ∓ 2^27, which is 2^22 steps
+            // or more, and is refused as it should be.
+            from.wrapping_add(aside).wrapping_add(half) >> shift
+        };
+        let origin = [across(x, slopes.slopes[0], slopes.fine[0]), across(y, slopes.slopes[1], slopes.fine[1]), plane];
+        let beside = |c: i32| c.wrapping_add(65536) as u32 >= 3 * 65536;
+        if beside(origin[0]) || beside(origin[1]) {
+            return None;
+        }
+        // √3 (2^30 + 2^26) < 2^31.
+        let ahead = if slopes.negative { ahead.wrapping_neg() } else { ahead };
+        Some(GridRay {
+            origin,
+            slopes: slopes.slopes,
+            negative: slopes.negative,
+            axis: slopes.axis,
+            shift,
+            cosine: slopes.cosine,
+            inverse: slopes.inverse,
+            start: mul_shift(ahead, slopes.inverse, 30),
+        })
+    }
+
+    /// Distance along the ray for a depth in 1/16 steps, scene units, at least 1.
+    ///
+    /// Never falls as the depth grows. Error −2 ..= 0 units and 2^-28 of the distance.
+    #[inline]
+    pub(crate) fn distance(&self, depth: i32) -> i32 {
+        let beyond = mul_shift(depth, self.inverse, 30 + DEPTH_BITS - self.shift as u32);
+        self.start.saturating_add(beyond).max(1)
+    }
+
+    /// A depth in steps that no point nearer than `distance` exceeds; negative if there is none.
+    ///
+    /// −1 ..= 65535; more than the exact one by 12 at most.
+    #[inline]
+    pub fn limit(&self, distance: i32) -> i32 {
+        let ahead = distance.saturating_sub(self.start);
+        if ahead <= 0 {
+            return -1;
+        }
+        let steps = (ahead >> self.shift) as u32 + 1;
+        if steps > 1 << 17 {
+            return LAST; // 2^17/√3 > 65535
+        }
+        // Both factors are rounded up: at most (2^17)(2^14 + 1) < 2^32. One more for the reciprocal's error.
+        let depth = ((steps * ((self.cosine >> 2).min(1 << 14) + 1)) >> 14) as i32 + 1;
+        depth.min(LAST)
+    }
+}
+
+/// (x, y, z) in the order (k+1, k+2, k).
+#[inline]
+fn rotate(k: u8, [x, y, z]: [i32; 3]) -> [i32; 3] {
+    match k {
+        0 => [y, z, x],
+        1 => [z, x, y],
+        _ => [x, y, z],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRID: Grid = Grid::new(Point([-1000, 0, 500]), 3).unwrap();
+
+    #[test]
+    fn the_dominant_axis_is_the_first_of_equals() {
+        let diagonal = Dir::new([1, -1, 1]).unwrap();
+        let slopes = Slopes::new(diagonal);
+        assert_eq!((slopes.axis, slopes.negative, slopes.slopes), (0, false, [-8192, 8192]));
+        let slopes = Slopes::new(Dir::new([0, -3, 3]).unwrap());
+        assert_eq!((slopes.axis, slopes.negative, slopes.slopes), (1, true, [-8192, 0]));
+    }
+
+    #[test]
+    fn a_ray_from_outside_starts_on_the_face() {
+        // 2^29 units away, straight at the grid point (100, 200, 0).
+        let origin = Point([-1000 + 800, 1600, 500 - (1 << 29)]);
+        let ray = GridRay::enter(&GRID, &Ray { origin, dir: Dir::Z }, &Slopes::new(Dir::Z)).unwrap();
+        assert_eq!(ray.origin, [100, 200, 0]);
+        assert_eq!(ray.distance(0), 1 << 29);
+        assert_eq!(ray.distance(16), (1 << 29) + 8);
+        assert!(GridRay::enter(&GRID, &Ray { origin, dir: -Dir::Z }, &Slopes::new(-Dir::Z)).is_none());
+    }
+
+    #[test]
+    fn limits_hold_every_nearer_depth() {
+        let mut s = 1u32;
+        for _ in 0..200_000 {
+            let mut r = || {
+                s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+                (s ^ (s >> 15)) as i32
+            };
+            let Some(dir) = Dir::new([r(), r(), r()]) else { continue };
+            let far = (r() & 15) as u32;
+            let origin = Point([r() >> (far + 5), r() >> (far + 5), r() >> (far + 5)]);
+            let grid = Grid::new(Point([0; 3]), (r() & 7) as u8).unwrap();
+            let Some(ray) = GridRay::enter(&grid, &Ray { origin, dir }, &Slopes::new(dir)) else { continue };
+            let depth = r() & 0xfffff;
+            let t = ray.distance(depth);
+            let limit = ray.limit(t + 1);
+            assert!(depth >> DEPTH_BITS <= limit, "{depth} {t} {limit} {ray:?}");
+            assert!(limit <= (depth >> DEPTH_BITS) + 14 || ray.distance(0) == 1, "{depth} {t} {limit} {ray:?}");
+        }
+    }
+}
