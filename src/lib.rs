@@ -2,5 +2,6 @@
 #![forbid(unsafe_code)]
 
 pub mod color;
+pub mod film;
 pub mod num;
 pub mod geom;
