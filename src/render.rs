@@ -2,9 +2,12 @@
 
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
+use crate::film::Tile;
 use crate::integrator::Path;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
+use embedded_graphics::geometry::{Point, Size};
+use embedded_graphics::primitives::Rectangle;
 
 /// Size of the picture and effort a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,15 +16,6 @@ pub struct Settings {
     pub height: u16,
     /// Samples a pixel, 1 ..= 65536.
     pub spp: u32,
-}
-
-/// A rectangle of pixels.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Area {
-    pub x: u16,
-    pub y: u16,
-    pub width: u16,
-    pub height: u16,
 }
 
 /// Renders a picture tile by tile; constant settings, and a sampler and a place that move.
@@ -58,12 +52,52 @@ impl<'s, S: Sampler> Renderer<'s, S> {
         mean_q32(sum, spp)
     }
 
-    /// Renders the pixels of `area` row by row into `pixels`, as many as there is room for.
-    pub fn render(&mut self, area: Area, pixels: &mut [Radiance]) {
-        let mut places = (0..area.height).flat_map(|dy| (0..area.width).map(move |dx| (area.x + dx, area.y + dy)));
-        for pixel in pixels {
-            let Some((x, y)) = places.next() else { break };
-            *pixel = self.pixel(x, y);
+    /// Renders the next tile into `strip` and returns; `None` when the picture is done.
+    ///
+    /// A tile is as many whole rows as fit the strip, or a part of a row if none does: the picture is the same, only
+    /// the memory differs. Stop calling to cancel; [`Self::restart`] begins again.
+    pub fn step<'t>(&mut self, strip: &'t mut [Radiance]) -> Option<Tile<'t>> {
+        let area = self.area(self.done, strip.len() as u32)?;
+        self.done += area.size.width * area.size.height;
+        Some(self.tile(area, strip))
+    }
+
+    /// The tile that begins at pixel number `from` (row by row) and holds at most `room` pixels.
+    ///
+    /// For several cores: each takes the next number from a common counter and renders with a renderer of its own.
+    pub fn area(&self, from: u32, room: u32) -> Option<Rectangle> {
+        let (width, height) = (self.settings.width as u32, self.settings.height as u32);
+        let (x, y) = (from.checked_rem(width)?, from.checked_div(width)?);
+        if y >= height || room == 0 {
+            return None;
         }
+        let (across, down) = if x == 0 && room >= width {
+            (width, (room / width).min(height - y))
+        } else {
+            (room.min(width - x), 1)
+        };
+        Some(Rectangle::new(Point::new(x as i32, y as i32), Size::new(across, down)))
+    }
+
+    /// Renders one tile, whichever.
+    pub fn tile<'t>(&mut self, area: Rectangle, strip: &'t mut [Radiance]) -> Tile<'t> {
+        let (left, top) = (area.top_left.x as u16, area.top_left.y as u16);
+        let (width, height) = (area.size.width as u16, area.size.height as u16);
+        let mut done = 0;
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y)));
+        for (pixel, (x, y)) in strip.iter_mut().zip(places) {
+            *pixel = self.pixel(x, y);
+            done += 1;
+        }
+        Tile { area, pixels: strip.get(..done).unwrap_or(&[]) }
+    }
+
+    /// Begins at the first tile again.
+    pub fn restart(&mut self) {
+        self.done = 0;
+    }
+
+    pub fn settings(&self) -> Settings {
+        self.settings
     }
 }

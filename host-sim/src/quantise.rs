@@ -1,15 +1,16 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
-use crate::desc::{BsdfDesc, GeometryDesc, LightDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::desc::{BsdfDesc, GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
 use fixed::types::I12F20;
+use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
 use microlux::light::Light;
 use microlux::material::{Dielectric, Material};
 use microlux::num::{Metres, Share};
-use microlux::scene::{Parts, Scene, SceneError, Shape};
-use microlux::shape::{Disk, Geometry, Plane, Rectangle, Sphere};
+use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
+use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 use thiserror::Error;
 
 /// What the fixed-point core can't take.
@@ -33,7 +34,27 @@ pub struct CoreScene {
     shapes: Vec<Shape>,
     materials: Vec<Material>,
     lights: Vec<Light>,
+    meshes: Vec<OwnedMesh>,
+    nodes: Vec<Node>,
+    arrangement: Arrangement,
     names: Vec<String>,
+}
+
+/// A mesh in its own grid, with the tree over it.
+#[derive(Debug)]
+struct OwnedMesh {
+    grid: Grid,
+    vertices: Vec<[u16; 3]>,
+    triangles: Vec<[u16; 3]>,
+    nodes: Vec<Node>,
+}
+
+impl OwnedMesh {
+    fn borrow(&self) -> Mesh<'_> {
+        let triangles =
+            TriangleMesh { grid: self.grid, vertices: &self.vertices, triangles: &self.triangles };
+        Mesh { triangles, nodes: &self.nodes }
+    }
 }
 
 impl CoreScene {
@@ -45,12 +66,19 @@ impl CoreScene {
         let materials = materials.collect::<Result<Vec<_>, _>>()?;
         let mut shapes = Vec::new();
         let mut lights = Vec::new();
+        let mut meshes = Vec::new();
         for (index, shape) in desc.shapes.iter().enumerate() {
             let light = shape.emission.map(|emission| {
                 lights.push(Light::Area { shape: index as u16, radiance: radiance(emission) });
                 (lights.len() - 1) as u16
             });
-            let geometry = round.geometry(shape)?;
+            let geometry = match &shape.geometry {
+                GeometryDesc::Mesh(mesh) => {
+                    meshes.push(round.mesh(&shape.name, mesh)?);
+                    Geometry::Mesh((meshes.len() - 1) as u16)
+                }
+                _ => round.geometry(shape)?,
+            };
             shapes.push(Shape { geometry, material: shape.material as u16, light, id: index as u16 });
         }
         let mut environment = None;
@@ -73,16 +101,32 @@ impl CoreScene {
         }
         lights.extend(environment);
         let names = desc.shapes.iter().map(|shape| shape.name.clone()).collect();
-        Ok(CoreScene { unit, origin, camera: round.camera(desc), shapes, materials, lights, names })
+        let mut nodes = vec![Node::EMPTY; max_nodes(shapes.len())];
+        let mut boxes = vec![Boxed::EMPTY; shapes.len()];
+        let borrowed: Vec<_> = meshes.iter().map(OwnedMesh::borrow).collect();
+        let arrangement = arrange(&mut shapes, &borrowed, &mut lights, &mut boxes, &mut nodes)
+            .map_err(|error| SceneError::Nodes { needed: error.needed })?;
+        nodes.truncate(arrangement.nodes);
+        let camera = round.camera(desc);
+        Ok(CoreScene { unit, origin, camera, shapes, materials, lights, meshes, nodes, arrangement, names })
     }
 
-    /// The checked view that is rendered; an error names the shape as the file does.
-    pub fn scene(&self) -> Result<Scene<'_>, QuantiseError> {
+    /// The meshes as the core borrows them.
+    pub fn meshes(&self) -> Vec<Mesh<'_>> {
+        self.meshes.iter().map(OwnedMesh::borrow).collect()
+    }
+
+    /// The checked view that is rendered, over [`Self::meshes`]; an error names the shape as the file does.
+    pub fn scene<'a>(&'a self, meshes: &'a [Mesh<'a>]) -> Result<Scene<'a>, QuantiseError> {
         let parts = Parts {
             unit: self.unit,
             shapes: &self.shapes,
+            bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            meshes,
+            grid: self.arrangement.grid,
+            nodes: &self.nodes,
         };
         Scene::new(parts).map_err(|error| match error.shape().and_then(|id| self.names.get(id as usize)) {
             Some(name) => QuantiseError::Shape { name: name.clone(), error },
@@ -160,6 +204,42 @@ impl Rounding {
             }
             GeometryDesc::Mesh(_) => return Err(degenerate()),
         })
+    }
+
+    /// Into the finest cube around it; triangles that lose their area there are left out.
+    fn mesh(&self, name: &str, mesh: &MeshDesc) -> Result<OwnedMesh, QuantiseError> {
+        let error = |what: String| QuantiseError::Unsupported { name: name.to_string(), what };
+        let points: Vec<Point> = mesh.vertices.iter().map(|v| self.point(*v)).collect();
+        let (low, high) = points.iter().fold(([i32::MAX; 3], [i32::MIN; 3]), |(low, high), p| {
+            ([0, 1, 2].map(|i| low[i].min(p.0[i])), [0, 1, 2].map(|i| high[i].max(p.0[i])))
+        });
+        let grid = Grid::around(Point(low), Point(high), Grid::MARGIN);
+        let grid = grid.ok_or_else(|| error("reaches too far, or has no vertices".into()))?;
+        if points.len() > 1 << 16 {
+            let count = points.len();
+            return Err(error(format!("has {count} vertices; a mesh can have 65536: split it")));
+        }
+        let step = f64::from(grid.shift()).exp2();
+        let to_grid = |v: &Vec3| {
+            [0, 1, 2].map(|i| {
+                let units = (v[i] - self.origin[i]) * self.scale - f64::from(grid.origin().0[i]);
+                (units / step).round().clamp(f64::from(Grid::MARGIN), f64::from(u16::MAX - Grid::MARGIN)) as u16
+            })
+        };
+        let vertices: Vec<_> = mesh.vertices.iter().map(to_grid).collect();
+        let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|i| i as u16)).collect();
+        let whole = TriangleMesh { grid, vertices: &vertices, triangles: &triangles };
+        let kept: Vec<bool> = (0..triangles.len()).map(|i| whole.normal(i as u32).is_some()).collect();
+        let mut kept = kept.into_iter();
+        triangles.retain(|_| kept.next().unwrap_or(false));
+        if triangles.is_empty() {
+            return Err(error("has no triangle with an area".into()));
+        }
+        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes)
+            .map_err(|e| error(format!("needs {} nodes; a mesh can have 65536: split it", e.needed)))?;
+        nodes.truncate(used);
+        Ok(OwnedMesh { grid, vertices, triangles, nodes })
     }
 
     fn camera(&self, desc: &SceneDesc) -> Camera {

@@ -22,16 +22,32 @@ pub enum CheckError {
     Outside { primitive: u32 },
 }
 
+impl core::fmt::Display for CheckError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Mesh(error) => write!(f, "{error}"),
+            Self::NoNode { node } => write!(f, "there is no node {node}"),
+            Self::TooDeep { node } => write!(f, "node {node} lies deeper than {MAX_DEPTH} levels"),
+            Self::Malformed { node } => write!(f, "node {node} is malformed"),
+            Self::Order { node, expected, found } => {
+                write!(f, "node {node}: its leaf begins at primitive {found} instead of {expected}")
+            }
+            Self::Unreached { primitive } => write!(f, "no leaf holds primitive {primitive}"),
+            Self::Outside { primitive } => write!(f, "primitive {primitive} sticks out of a box above it"),
+        }
+    }
+}
+
 /// Check a mesh and its tree; answers the depth.
 pub fn check_mesh(mesh: &TriangleMesh, nodes: &[Node]) -> Result<usize, CheckError> {
     mesh.check().map_err(CheckError::Mesh)?;
     let bounds = |i| mesh.corners(i).map(|c| Bounds::of(&c).pad(MESH_PAD));
-    check(mesh.triangles.len(), bounds, nodes)
+    check_tree(mesh.triangles.len(), bounds, nodes)
 }
 
 /// Check a tree over items with boxes; answers the depth.
 pub fn check_items<T: Item>(items: &[T], pad: u16, nodes: &[Node]) -> Result<usize, CheckError> {
-    check(items.len(), |i| items.get(i as usize).map(|item| item.bounds().pad(pad)), nodes)
+    check_tree(items.len(), |i| items.get(i as usize).map(|item| item.bounds().pad(pad)), nodes)
 }
 
 struct Job {
@@ -44,7 +60,7 @@ struct Job {
 /// Indices in range, depth, each primitive once and within all boxes above it.
 ///
 /// It ends: a subtree without a leaf is as deep as is allowed at once, and a leaf that comes again is out of order.
-fn check(
+pub(crate) fn check_tree(
     count: usize,
     bounds: impl Fn(u32) -> Option<Bounds>,
     nodes: &[Node],

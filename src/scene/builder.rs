@@ -1,4 +1,6 @@
-use super::{Parts, Scene, SceneError, Shape};
+use super::arrange::{Boxed, arrange};
+use super::{Mesh, Parts, Scene, SceneError, Shape};
+use crate::bvh::Node;
 use crate::color::Radiance;
 use crate::geom::Unit;
 use crate::light::Light;
@@ -77,17 +79,31 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuil
         self.shapes.push(shape).map_err(|_| SceneError::Full { what: "shapes", needed: SHAPES + 1 })
     }
 
-    /// The border: checks the scene and lends it out.
-    pub fn build(&mut self) -> Result<Scene<'_>, SceneError> {
+    /// The border: builds the tree over the shapes in `nodes`, checks everything, and lends the scene out.
+    ///
+    /// [`crate::bvh::max_nodes`] says how many nodes are enough.
+    pub fn build<'a>(&'a mut self, nodes: &'a mut [Node]) -> Result<Scene<'a>, SceneError> {
+        self.build_with(&[], nodes)
+    }
+
+    /// The same with meshes, which shapes name as [`Geometry::Mesh`].
+    pub fn build_with<'a>(&'a mut self, meshes: &'a [Mesh<'a>], nodes: &'a mut [Node]) -> Result<Scene<'a>, SceneError> {
         if let Some(environment) = self.environment.take() {
             let full = |_| SceneError::Full { what: "lights", needed: LIGHTS + 1 };
             self.lights.push(environment).map_err(full)?;
         }
+        let mut boxes = [Boxed::EMPTY; SHAPES];
+        let found = arrange(&mut self.shapes, meshes, &mut self.lights, &mut boxes, nodes)
+            .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         Scene::new(Parts {
             unit: self.unit,
             shapes: &self.shapes,
+            bounded: found.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            meshes,
+            grid: found.grid,
+            nodes: nodes.get(..found.nodes).unwrap_or(&[]),
         })
     }
 }

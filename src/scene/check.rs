@@ -1,4 +1,6 @@
+use super::arrange::shape_bounds;
 use super::{Parts, Scene};
+use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::color::Radiance;
 use crate::geom::{Dir, Point, REACH};
 use crate::light::Light;
@@ -30,6 +32,16 @@ pub enum SceneError {
     Environment { light: u16 },
     /// Nothing in the scene emits light.
     NoLight,
+    /// The shape's mesh does not exist.
+    NoSuchMesh { shape: u16, mesh: u16 },
+    /// The mesh or the tree over it is wrong.
+    Mesh { mesh: u16, error: CheckError },
+    /// The tree over the shapes is wrong, or does not fit in the memory for it.
+    Tree(CheckError),
+    /// Finite shapes must come first, as many as `bounded` says.
+    Order { shape: u16 },
+    /// The memory for nodes is too small.
+    Nodes { needed: usize },
 }
 
 impl core::fmt::Display for SceneError {
@@ -47,6 +59,11 @@ impl core::fmt::Display for SceneError {
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
             Self::Environment { light } => write!(f, "light {light}: one environment, after all other lights"),
+            Self::NoSuchMesh { shape, mesh } => write!(f, "shape {shape}: there is no mesh {mesh}"),
+            Self::Mesh { mesh, error } => write!(f, "mesh {mesh}: {error}"),
+            Self::Tree(error) => write!(f, "the tree over the shapes: {error}"),
+            Self::Order { shape } => write!(f, "shape {shape}: finite shapes come first, then planes"),
+            Self::Nodes { needed } => write!(f, "too few nodes: {needed} are enough"),
             Self::NoLight => write!(f, "nothing in the scene emits light"),
         }
     }
@@ -62,6 +79,8 @@ impl SceneError {
             | Self::NoSuchLight { shape, .. }
             | Self::TooFar { shape }
             | Self::Degenerate { shape }
+            | Self::NoSuchMesh { shape, .. }
+            | Self::Order { shape }
             | Self::PlaneLight { shape } => Some(shape),
             _ => None,
         }
@@ -78,6 +97,14 @@ impl<'a> Scene<'a> {
         }
         for (index, shape) in parts.shapes.iter().enumerate() {
             check_geometry(&shape.geometry, shape.id)?;
+            if matches!(shape.geometry, Geometry::Plane(_)) != (index >= parts.bounded as usize) {
+                return Err(SceneError::Order { shape: shape.id });
+            }
+            if let Geometry::Mesh(mesh) = shape.geometry
+                && mesh as usize >= parts.meshes.len()
+            {
+                return Err(SceneError::NoSuchMesh { shape: shape.id, mesh });
+            }
             if shape.material as usize >= parts.materials.len() {
                 return Err(SceneError::NoSuchMaterial { shape: shape.id, material: shape.material });
             }
@@ -92,6 +119,16 @@ impl<'a> Scene<'a> {
                 }
             }
         }
+        for (index, mesh) in parts.meshes.iter().enumerate() {
+            let wrong = |error| SceneError::Mesh { mesh: index as u16, error };
+            check_mesh(&mesh.triangles, mesh.nodes).map_err(wrong)?;
+        }
+        let finite = parts.shapes.get(..parts.bounded as usize).unwrap_or(&[]);
+        let bounds = |i: u32| {
+            let shape = finite.get(i as usize)?;
+            Some(shape_bounds(shape, parts.meshes, &parts.grid).pad(SCENE_PAD))
+        };
+        check_tree(finite.len(), bounds, parts.nodes).map_err(SceneError::Tree)?;
         let mut light_count = 0;
         let mut environment = None;
         let mut emits = false;
@@ -145,6 +182,7 @@ fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
             let square = unit(r.u) && unit(r.v) && unit(r.normal) && r.u.dot(r.v).abs() <= 16;
             (!far(r.center, reach), size(a) && size(b) && square)
         }
+        // Its vertices are in its grid's cube: nothing more to ask here.
         Geometry::Mesh(_) => (true, true),
     };
     if !extent {

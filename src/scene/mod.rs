@@ -1,15 +1,19 @@
 //! The scene: borrowed, checked once at [`Scene::new`], then safe to render.
 
+mod arrange;
 mod builder;
 mod check;
+mod query;
 
 use crate::color::Radiance;
-use crate::geom::{Dir, FAR, Point, Ray, Unit};
+use crate::bvh::Node;
+use crate::geom::{Dir, Point, Ray, Unit};
 use crate::light::{self, Emitter, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
-use crate::shape::{Geometry, Surface};
+use crate::shape::{Geometry, Grid, MeshHit, Surface, TriangleMesh};
 
+pub use arrange::{Arrangement, Boxed, arrange};
 pub use builder::{MaterialId, SceneBuilder};
 pub use check::SceneError;
 
@@ -25,13 +29,29 @@ pub struct Shape {
     pub id: u16,
 }
 
+/// A triangle mesh with the tree over it.
+#[derive(Clone, Copy, Debug)]
+pub struct Mesh<'a> {
+    pub triangles: TriangleMesh<'a>,
+    pub nodes: &'a [Node],
+}
+
 /// What a scene is made of; [`Scene::new`] checks it.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts<'a> {
     pub unit: Unit,
+    /// Finite ones first, in the order of the tree over them ([`arrange`]), then infinite planes.
     pub shapes: &'a [Shape],
+    /// How many shapes are finite.
+    pub bounded: u16,
     pub materials: &'a [Material],
+    /// An environment, if there is one, last.
     pub lights: &'a [Light],
+    pub meshes: &'a [Mesh<'a>],
+    /// Around the finite shapes.
+    pub grid: Grid,
+    /// The tree over the finite shapes.
+    pub nodes: &'a [Node],
 }
 
 /// A scene that can be rendered: everything in it was checked.
@@ -98,31 +118,16 @@ impl<'a> Scene<'a> {
         self.environment
     }
 
-    /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
-    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let mut best = None;
-        let mut t_max = FAR + 1;
-        for (index, shape) in self.parts.shapes.iter().enumerate() {
-            if let Some(t) = shape.geometry.intersect(ray, t_max) {
-                t_max = t;
-                best = Some(Hit { t, shape: index as u16, triangle: 0, barycentric: [0; 2] });
-            }
-        }
-        best
-    }
-
-    /// Whether anything stands within `distance` along the ray.
-    pub fn occluded(&self, ray: &Ray, distance: i32) -> bool {
-        self.parts.shapes.iter().any(|shape| shape.geometry.intersect(ray, distance).is_some())
-    }
-
     /// The surface where the ray met it.
     #[inline]
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
         let shape = self.parts.shapes.get(hit.shape as usize);
         let surface = shape
-            .and_then(|shape| shape.geometry.surface(near))
+            .and_then(|shape| match shape.geometry {
+                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit),
+                geometry => geometry.surface(near),
+            })
             .unwrap_or(Surface { point: near, normal: -ray.dir, lift: 0 });
         let wo = -ray.dir;
         let material = shape.and_then(|shape| self.parts.materials.get(shape.material as usize));
@@ -150,8 +155,13 @@ impl<'a> Scene<'a> {
             }
             Light::Directional { direction, irradiance } => Some(light::sample_directional(direction, irradiance)),
             Light::Area { shape, radiance } => {
-                let shape = self.parts.shapes.get(shape as usize)?;
-                light::sample_area(Emitter::Shape(&shape.geometry), radiance, from, u)
+                let geometry = &self.parts.shapes.get(shape as usize)?.geometry;
+                let Geometry::Mesh(mesh) = *geometry else {
+                    return light::sample_area(Emitter::Shape(geometry), radiance, from, u);
+                };
+                let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
+                let (triangle, rest) = light::choose(u[0], count);
+                light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])
             }
             Light::Environment { .. } => None,
         }
@@ -164,6 +174,33 @@ impl<'a> Scene<'a> {
             return Wide::ZERO;
         };
         debug_assert_eq!(shape.light, Some(light));
-        light::pdf_area(Emitter::Shape(&shape.geometry), from, wi, hit.t) / Wide::new(self.light_count, 0)
+        let emitter = match shape.geometry {
+            Geometry::Mesh(mesh) => self.triangle(mesh, hit.triangle),
+            _ => Some(Emitter::Shape(&shape.geometry)),
+        };
+        let pdf = emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t));
+        pdf / Wide::new(self.light_count, 0)
+    }
+
+    /// A triangle as one of its mesh's, any of which may be drawn.
+    fn triangle(&self, mesh: u16, triangle: u32) -> Option<Emitter<'a>> {
+        let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
+        Some(Emitter::Triangle {
+            corners: mesh.corners(triangle)?.map(|corner| mesh.grid.to_scene(corner)),
+            normal: mesh.normal(triangle)?,
+            lift: mesh.offset(),
+            area: mesh.double_area(triangle).shl(-1),
+            chance: Wide::new(mesh.triangles.len() as u32, 0).recip(),
+        })
+    }
+
+    fn mesh_surface(&self, mesh: u16, hit: &Hit) -> Option<Surface> {
+        let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
+        let [b1, b2] = hit.barycentric;
+        Some(Surface {
+            point: mesh.point(&MeshHit { t: hit.t, triangle: hit.triangle, b1, b2 })?,
+            normal: mesh.normal(hit.triangle)?,
+            lift: mesh.offset(),
+        })
     }
 }

@@ -23,6 +23,9 @@ impl Grid {
     /// Bound of an origin's coordinates, units.
     const MAX_ORIGIN: u32 = 1 << 25;
 
+    /// The cube from the scene frame's origin, steps of one unit.
+    pub const UNIT: Grid = Grid { origin: Point([0; 3]), shift: 0 };
+
     /// `None` if `shift` is above [`Grid::MAX_SHIFT`] or the origin beyond ±2^25 units.
     pub const fn new(origin: Point, shift: u8) -> Option<Grid> {
         let [x, y, z] = origin.0;

@@ -34,6 +34,15 @@ pub enum MeshError {
     Index { triangle: u32 },
 }
 
+impl core::fmt::Display for MeshError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::Margin { vertex } => write!(f, "vertex {vertex} lies too near a face of its cube"),
+            Self::Index { triangle } => write!(f, "triangle {triangle} names a vertex there is not"),
+        }
+    }
+}
+
 impl<'a> TriangleMesh<'a> {
     /// Whether all vertices keep the margin and all indices are in range.
     pub fn check(&self) -> Result<(), MeshError> {

@@ -1,0 +1,163 @@
+//! Rays against a scene: the tree over its finite shapes, then its infinite planes.
+
+use super::{Hit, Scene};
+use crate::bvh::{self, Visitor, traverse};
+use crate::geom::{FAR, Ray};
+use crate::shape::{Geometry, GridRay, Slopes};
+use core::ops::ControlFlow;
+
+impl Scene<'_> {
+    /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let slopes = Slopes::new(ray.dir);
+        let mut nearest = Nearest { scene: self, ray, slopes: &slopes, t_max: FAR + 1, hit: None, limit: i32::MAX };
+        for index in self.bounded()..self.parts.shapes.len() {
+            nearest.test(index);
+        }
+        if let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) {
+            nearest.limit = grid_ray.limit(nearest.t_max + 1);
+            traverse(self.parts.nodes, &grid_ray, &mut nearest);
+        }
+        nearest.hit
+    }
+
+    /// The same answer from all shapes and triangles in turn.
+    pub fn closest_linear(&self, ray: &Ray) -> Option<Hit> {
+        let slopes = Slopes::new(ray.dir);
+        let mut nearest = Nearest { scene: self, ray, slopes: &slopes, t_max: FAR + 1, hit: None, limit: i32::MAX };
+        for index in 0..self.parts.shapes.len() {
+            nearest.accept(index, self.intersect_linear(index, ray, &slopes, nearest.t_max + 1));
+        }
+        nearest.hit
+    }
+
+    /// Whether anything stands nearer than `distance` along the ray.
+    pub fn occluded(&self, ray: &Ray, distance: i32) -> bool {
+        if (self.bounded()..self.parts.shapes.len()).any(|index| {
+            self.parts.shapes.get(index).is_some_and(|shape| shape.geometry.intersect(ray, distance).is_some())
+        }) {
+            return true;
+        }
+        let slopes = Slopes::new(ray.dir);
+        let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) else {
+            return false;
+        };
+        let limit = grid_ray.limit(distance);
+        let mut any = Any { scene: self, ray, slopes: &slopes, distance, limit, found: false };
+        traverse(self.parts.nodes, &grid_ray, &mut any);
+        any.found
+    }
+
+    fn bounded(&self) -> usize {
+        self.parts.bounded as usize
+    }
+
+    /// The nearest hit on one shape, at a distance under `t_max`.
+    #[inline]
+    fn intersect(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
+        let shape = self.parts.shapes.get(index)?;
+        if let Geometry::Mesh(mesh) = shape.geometry {
+            let mesh = self.parts.meshes.get(mesh as usize)?;
+            let hit = bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)?;
+            return Some(Hit {
+                t: hit.t,
+                shape: index as u16,
+                triangle: hit.triangle,
+                barycentric: [hit.b1, hit.b2],
+            });
+        }
+        let t = shape.geometry.intersect(ray, t_max)?;
+        Some(Hit { t, shape: index as u16, triangle: 0, barycentric: [0; 2] })
+    }
+
+    fn intersect_linear(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
+        let Geometry::Mesh(mesh) = self.parts.shapes.get(index)?.geometry else {
+            return self.intersect(index, ray, slopes, t_max);
+        };
+        let hit = bvh::closest_linear(&self.parts.meshes.get(mesh as usize)?.triangles, ray, slopes, t_max)?;
+        Some(Hit { t: hit.t, shape: index as u16, triangle: hit.triangle, barycentric: [hit.b1, hit.b2] })
+    }
+}
+
+/// The nearest hit so far, by distance and then by the shape's place.
+struct Nearest<'a> {
+    scene: &'a Scene<'a>,
+    ray: &'a Ray,
+    slopes: &'a Slopes,
+    /// The distance of `hit`; beyond all there may be while there is none.
+    t_max: i32,
+    hit: Option<Hit>,
+    /// `t_max` as a depth in the scene's grid.
+    limit: i32,
+}
+
+impl Nearest<'_> {
+    #[inline]
+    fn test(&mut self, index: usize) -> bool {
+        // One unit more, so that an equal distance is seen and decided by place.
+        self.accept(index, self.scene.intersect(index, self.ray, self.slopes, self.t_max + 1))
+    }
+
+    #[inline]
+    fn accept(&mut self, index: usize, found: Option<Hit>) -> bool {
+        let Some(hit) = found else { return false };
+        let first = self.hit.is_none_or(|best| index < best.shape as usize);
+        if hit.t > self.t_max || (hit.t == self.t_max && !first) {
+            return false;
+        }
+        (self.t_max, self.hit) = (hit.t, Some(hit));
+        true
+    }
+}
+
+impl Visitor for Nearest<'_> {
+    #[inline(always)]
+    fn limit(&self) -> i32 {
+        self.limit
+    }
+
+    #[inline]
+    fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
+        for index in first..first + count {
+            if self.test(index as usize) {
+                self.limit = ray.limit(self.t_max + 1);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// Whether anything is in the way.
+struct Any<'a> {
+    scene: &'a Scene<'a>,
+    ray: &'a Ray,
+    slopes: &'a Slopes,
+    distance: i32,
+    limit: i32,
+    found: bool,
+}
+
+impl Visitor for Any<'_> {
+    #[inline(always)]
+    fn limit(&self) -> i32 {
+        self.limit
+    }
+
+    #[inline]
+    fn visit<const K: usize>(&mut self, _: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
+        let parts = &self.scene.parts;
+        for index in first..first + count {
+            let Some(shape) = parts.shapes.get(index as usize) else { continue };
+            self.found = match shape.geometry {
+                Geometry::Mesh(mesh) => parts.meshes.get(mesh as usize).is_some_and(|mesh| {
+                    bvh::occluded(&mesh.triangles, mesh.nodes, self.ray, self.slopes, self.distance)
+                }),
+                geometry => geometry.intersect(self.ray, self.distance).is_some(),
+            };
+            if self.found {
+                return ControlFlow::Break(());
+            }
+        }
+        ControlFlow::Continue(())
+    }
+}
