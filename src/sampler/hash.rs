@@ -114,8 +114,11 @@ mod tests {
 
     #[test]
     fn known_answers() {
-        assert_eq!([mix(0), mix(1), mix(u32::MAX)], [0, 1, 2]);
-        assert_eq!(hash(0, 0, 0, 0), 0);
-        assert_eq!(hash(1, 2, 3, 4), 0);
+        assert_eq!(
+            [mix(0), mix(1), mix(u32::MAX)],
+            [0, 0x06d3_fa73, 0xd9b5_6683]
+        );
+        assert_eq!(hash(0, 0, 0, 0), 0x64dc_ab1f);
+        assert_eq!(hash(1, 2, 3, 4), 0x6dcc_3b63);
     }
 }

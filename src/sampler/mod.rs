@@ -16,6 +16,7 @@
 
 mod hash;
 mod independent;
+mod order;
 mod pcg;
 mod sobol;
 mod stratified;

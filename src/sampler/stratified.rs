@@ -1,6 +1,6 @@
 //! Jittered stratified samples, for any number of samples.
 
-use super::{Sampler, hash, hash::Keys, mix};
+use super::{Sampler, hash, hash::Keys, mix, order::Order};
 use fixed::types::U0F32;
 
 /// One sample in each of `spp` strata, at a random place in it.
@@ -45,7 +45,8 @@ impl Stratified {
 
     /// This sample's stratum in a new dimension.
     fn stratum(&mut self) -> u32 {
-        self.shape.permute(self.position, self.shared.draw())
+        let keys = [self.shared.draw(), self.shared.draw()];
+        self.shape.order.permute(self.position, keys)
     }
 }
 
@@ -75,8 +76,7 @@ impl Sampler for Stratified {
 struct Shape {
     /// All strata, of equal size.
     cells: Parts,
-    /// One less than the power of two at or above the number of strata.
-    mask: u32,
+    order: Order,
     /// Rows with one cell more than the others come first; cells in them.
     cells_in_long_rows: u32,
     long_row: Parts,
@@ -97,7 +97,7 @@ impl Shape {
         let (in_short_row, long_rows) = (n / rows, n % rows);
         Self {
             cells: Parts::new(n),
-            mask: n.next_power_of_two() - 1,
+            order: Order::new(n),
             cells_in_long_rows: long_rows * (in_short_row + 1),
             long_row: Parts::new(in_short_row + 1),
             short_row: Parts::new(in_short_row),
@@ -118,35 +118,6 @@ impl Shape {
             row.place(column, jitter[0]),
             self.cells.start(cell - column) + scale(jitter[1], height),
         ]
-    }
-
-    /// A permutation of the strata chosen by `key`.
-    ///
-    /// Kensler, "Correlated multi-jittered sampling" (Pixar 13-01, 2013), listing 2: a hash that permutes the numbers up
-    /// to `mask`, walked until it comes back below `n`, which takes fewer than two steps on average; then a rotation, here
-    /// by a scaled part of the key rather than by a remainder.
-    const fn permute(&self, position: u32, key: u32) -> u32 {
-        let (n, w) = (self.cells.count, self.mask);
-        let mut i = position;
-        loop {
-            i = (i ^ key).wrapping_mul(0xe170_893d) ^ (key >> 16);
-            i ^= (i & w) >> 4;
-            i = (i ^ (key >> 8)).wrapping_mul(0x0929_eb3f) ^ (key >> 23);
-            i ^= (i & w) >> 1;
-            i = i.wrapping_mul(1 | key >> 27).wrapping_mul(0x6935_fa69);
-            i ^= (i & w) >> 11;
-            i = i.wrapping_mul(0x74dc_b303);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0x9e50_1cc3);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0xc860_a3df) & w;
-            i ^= i >> 5;
-            if i < n {
-                break;
-            }
-        }
-        let rotated = i + ((mix(key) >> 16) * n >> 16);
-        if rotated < n { rotated } else { rotated - n }
     }
 }
 
