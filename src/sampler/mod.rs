@@ -7,12 +7,12 @@
 //! | [`Independent`] | none | as the baseline others are measured by, or to bring a generator of one's own |
 //!
 //! Every number is a function of (seed, pixel, sample index, dimension) alone, never of time or order: tiles,
-//! threads and cores cannot change a picture, and any single sample can be drawn again. *Dimension* is how many
-//! draws came before in the same sample. So an integrator that draws the same number of times at each bounce
-//! keeps each dimension's pattern; one that does not stays unbiased, and loses some stratification.
+//! threads and cores cannot change a picture, and any single sample can be drawn again. *Dimension* is how
+//! many draws came before in the same sample. So an integrator that draws the same number of times at each
+//! bounce keeps each dimension's pattern; one that does not stays unbiased, and loses some stratification.
 //!
-//! Integers only: 32×32→32 multiplies, shifts and adds, no division after construction, the same bits on every
-//! target. Nothing here panics.
+//! Integers only: 32×32→32 multiplies, shifts and adds, no division after construction, the same bits on
+//! every target. Nothing here panics.
 
 mod hash;
 mod independent;
@@ -27,7 +27,6 @@ pub use independent::Independent;
 pub use pcg::PcgRxsMXs32;
 pub use sobol::Sobol;
 pub use stratified::Stratified;
-
 
 use fixed::types::U0F32;
 

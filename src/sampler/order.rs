@@ -2,14 +2,15 @@
 
 /// Permutations of the numbers below `count`, 1 ≤ `count` ≤ 2¹⁵.
 ///
-/// Position i goes to c·(i + a)³ + b in the field of `prime` elements, again until the result is below `count`
-/// (cycle-walking: prime/count turns on average, 1.06 for 16, 1.004 for 256, 1.8 at worst above 2, and 3 for 1), and is
-/// then rotated by d; a, b, c, d are scaled from the keys. Cubing permutes the field since 3 does not divide `prime` − 1 (Lidl and Niederreiter, *Finite
-/// fields*, theorem 7.8), and without it two orders would be points of a lattice. If `count` is `prime`, two positions
-/// go to any two places equally often; else nearly so, and one position to any place equally often.
+/// Position i goes to c·(i + a)³ + b in the field of `prime` elements, again until the result is below
+/// `count` (cycle-walking: prime/count turns on average, 1.06 for 16, 1.004 for 256, 1.8 at worst above 2,
+/// and 3 for 1), and is then rotated by d; a, b, c, d are scaled from the keys. Cubing permutes the field
+/// since 3 does not divide `prime` − 1 (Lidl and Niederreiter, *Finite fields*, theorem 7.8), and without it
+/// two orders would be points of a lattice. If `count` is `prime`, two positions go to any two places equally
+/// often; else nearly so, and one position to any place equally often.
 ///
-/// Kensler's hash, which is the usual choice ("Correlated multi-jittered sampling", 2013), reaches 8 of the 24
-/// permutations of four, and never half of the pairs of places; see `two_positions_go_to_any_two_places`.
+/// Kensler's hash, which is the usual choice ("Correlated multi-jittered sampling", 2013), reaches 8 of the
+/// 24 permutations of four, and never half of the pairs of places; see `two_positions_go_to_any_two_places`.
 #[derive(Clone, Debug)]
 pub(super) struct Order {
     count: u32,
@@ -59,8 +60,9 @@ impl Order {
 
     /// a·b/2¹⁶ modulo `prime`, for a and b below it.
     ///
-    /// The constant 2¹⁶ does not matter here, as `factor` is random. Montgomery, "Modular multiplication without trial
-    /// division" (1985). prime < 1.0001·2¹⁵, so that a·b < 1.001·2³⁰ and m·prime < 1.001·2³¹: the sum is below 2³².
+    /// The constant 2¹⁶ does not matter here, as `factor` is random. Montgomery, "Modular multiplication
+    /// without trial division" (1985). prime < 1.0001·2¹⁵, so that a·b < 1.001·2³⁰ and m·prime < 1.001·2³¹:
+    /// the sum is below 2³².
     const fn product(&self, a: u32, b: u32) -> u32 {
         let product = a * b;
         let m = product.wrapping_mul(self.inverse) & 0xffff;
@@ -82,7 +84,7 @@ const fn wrap(x: u32, n: u32) -> u32 {
 const fn is_prime(n: u32) -> bool {
     let mut divisor = 3;
     while divisor * divisor <= n {
-        if n % divisor == 0 {
+        if n.is_multiple_of(divisor) {
             return false;
         }
         divisor += 2;
@@ -168,10 +170,7 @@ mod tests {
                 let excess = (squares / expected).saturating_sub(freedom);
                 // A relative deviation of 10 % (root mean square), beside six standard deviations of chance.
                 let bound = cases / 100 + 6 * (2 * freedom).isqrt();
-                assert!(
-                    excess < bound,
-                    "{i} and {j} of {count}: {excess} of {bound}"
-                );
+                assert!(excess < bound, "{i} and {j} of {count}: {excess} of {bound}");
             }
         }
     }
