@@ -5,7 +5,7 @@ const GOLDEN: u32 = 0x9e37_79b9;
 
 /// Mixes 32 bits: a bijection in which each input bit flips each output bit in half of all cases.
 ///
-/// `mix(0) == 0`. Worst bias of a pair of bits 0.107/1000 of ideal, by its source: Wellons, "Prospecting for
+/// `mix(0) == 0`. Bias 0.107 by its source's measure, where 0 is ideal: Wellons, "Prospecting for
 /// hash functions" (2018), the xorshift-multiply family, with the constants found later in the same search
 /// (hash-prospector, issue 19). Avalanche tested below.
 #[must_use]

@@ -13,7 +13,7 @@ use fixed::types::U0F32;
 ///
 /// Each pair uses the first two dimensions of Sobol', with its own scrambling and its own order of samples,
 /// so that no pair of dimensions can be bad: Burley, "Practical hash-based Owen scrambling" (JCGT 9(4),
-/// 2020), sections 2 and 3.
+/// 2020).
 #[derive(Clone, Debug)]
 pub struct Sobol {
     seed: u32,
@@ -81,7 +81,7 @@ const fn pascal(index: u32) -> u32 {
 /// bits below it (above it, in the number itself), hence a bijection of every aligned block onto an aligned
 /// block.
 ///
-/// Laine and Karras, "Stratified sampling for stochastic transparency" (EGSR 2011), section 3.1; the steps
+/// Laine and Karras, "Stratified sampling for stochastic transparency" (EGSR 2011); the steps
 /// and constants are Vegdahl's, "Building a better LK hash" (psychopath.io, 2021-01-30, as revised
 /// 2021-05-08). The key must be well mixed.
 const fn scramble_reversed(x: u32, key: u32) -> u32 {

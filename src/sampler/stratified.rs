@@ -95,6 +95,8 @@ impl Shape {
         } else {
             root + u32::from(n > root * (root + 1))
         };
+        // Never 0, and `max` says so: division by it cannot panic.
+        let rows = rows.max(1);
         let (in_short_row, long_rows) = (n / rows, n % rows);
         Self {
             cells: Parts::new(n),
@@ -133,7 +135,9 @@ struct Parts {
 }
 
 impl Parts {
-    const fn new(count: u32) -> Self {
+    /// A `count` of 0 is taken as 1.
+    fn new(count: u32) -> Self {
+        let count = count.max(1);
         let step = u32::MAX / count;
         let rest = u32::MAX % count + 1;
         Self {
