@@ -1,4 +1,5 @@
-//! What the samplers promise: strata, uniformity, independence, order, lower error, and the same numbers for ever.
+//! What the samplers promise: strata, uniformity, independence, order, lower error, and the same numbers for
+//! ever.
 
 use fixed::types::U0F32;
 use microlux::sampler::{AnySampler, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified};
@@ -31,7 +32,10 @@ impl Draws {
     fn of(sampler: &mut impl Sampler, n: u32, index: u32) -> Self {
         let (x, y) = pixel(n);
         sampler.start(x, y, index);
-        let mut draws = Self { numbers: [0; 4], points: [[0; 2]; 4] };
+        let mut draws = Self {
+            numbers: [0; 4],
+            points: [[0; 2]; 4],
+        };
         for i in 0..4 {
             draws.numbers[i] = sampler.next_1d().to_bits();
             draws.points[i] = sampler.next_2d().map(U0F32::to_bits);
@@ -88,8 +92,9 @@ fn stratified_puts_one_sample_in_each_stratum() {
         };
         let mut sampler = Stratified::new(9, spp);
         for (n, pass) in [(0, 0), (1, 0), (300, 0), (300, 1), (65_535, 1000)] {
-            let draws: Vec<_> =
-                (0..spp).map(|i| Draws::of(&mut sampler, n, pass * spp + i)).collect();
+            let draws: Vec<_> = (0..spp)
+                .map(|i| Draws::of(&mut sampler, n, pass * spp + i))
+                .collect();
             for d in 0..4 {
                 let what = format!("spp {spp}, pixel {n}, pass {pass}, draw {d}");
                 assert_each_once(draws.iter().map(|s| part(s.numbers[d], spp)), spp, &what);
@@ -132,10 +137,13 @@ fn stratified_deals_strata_evenly() {
             samples[a[0] * n + b[0]] += 1;
             dimensions[a[0] * n + a[1]] += 1;
         }
-        let distinct: Vec<u32> =
-            (0..n * n).filter(|i| i / n != i % n).map(|i| samples[i]).collect();
+        let distinct: Vec<u32> = (0..n * n)
+            .filter(|i| i / n != i % n)
+            .map(|i| samples[i])
+            .collect();
         assert_eq!(distinct.iter().sum::<u32>(), cases);
-        assert_even(&distinct, &format!("samples 0 and {} of {spp}", spp - 1));
+        // Not exactly even by construction: orders are a prime's, cut to size.
+        assert_even_but_for(0.1, &distinct, &format!("samples 0 and {} of {spp}", spp - 1));
         assert_even(&dimensions, &format!("draws 0 and 1 of {spp}"));
     }
 }
@@ -146,8 +154,9 @@ fn sobol_puts_one_sample_in_each_elementary_interval() {
     for k in 0..=8 {
         let spp = 1 << k;
         for (n, block) in [(0, 0), (1, 0), (300, 5), (65_535, 1_000_001)] {
-            let draws: Vec<_> =
-                (0..spp).map(|i| Draws::of(&mut sampler, n, block * spp + i)).collect();
+            let draws: Vec<_> = (0..spp)
+                .map(|i| Draws::of(&mut sampler, n, block * spp + i))
+                .collect();
             for d in 0..4 {
                 let what = format!("{spp} samples, pixel {n}, block {block}, draw {d}");
                 assert_each_once(draws.iter().map(|s| part(s.numbers[d], spp)), spp, &what);
@@ -160,14 +169,28 @@ fn sobol_puts_one_sample_in_each_elementary_interval() {
     }
 }
 
-/// Asserts that counts are as even as those of fair dice: χ² within six standard deviations of its mean, both ways.
+/// Asserts that counts are as even as those of fair dice.
 fn assert_even(counts: &[u32], what: &str) {
-    let expected = f64::from(counts.iter().sum::<u32>()) / counts.len() as f64;
-    let chi2: f64 = counts.iter().map(|&c| (f64::from(c) - expected).powi(2) / expected).sum();
+    assert_even_but_for(0.0, counts, what);
+}
+
+/// Asserts that χ² is within six standard deviations of its mean both ways, or is higher by what chances that
+/// deviate by `rms` (root mean square, relative) would add.
+fn assert_even_but_for(rms: f64, counts: &[u32], what: &str) {
+    let total = f64::from(counts.iter().sum::<u32>());
+    let expected = total / counts.len() as f64;
+    let chi2: f64 = counts
+        .iter()
+        .map(|&c| (f64::from(c) - expected).powi(2) / expected)
+        .sum();
     let freedom = counts.len() as f64 - 1.0;
-    // χ² of few degrees is skewed: its tail is longer than six of its deviations, and it cannot be far below.
+    // χ² of few degrees is skewed: its tail is longer than six of its deviations.
     let bound = 6.0 * (2.0 * freedom).sqrt() + 12.0;
-    assert!((chi2 - freedom).abs() < bound, "{what}: chi2 {chi2:.1} of {freedom}");
+    let excess = chi2 - freedom;
+    assert!(
+        excess > -bound && excess < bound + total * rms * rms,
+        "{what}: chi2 {chi2:.1} of {freedom}"
+    );
 }
 
 /// Counts points of the unit square in 16 × 16 boxes.
@@ -181,13 +204,16 @@ fn assert_uniform_2d(points: impl Iterator<Item = [u32; 2]>, what: &str) {
 fn each_dimension_of_a_sample_is_uniform() {
     for (name, mut sampler) in samplers(11, 17) {
         for index in [0, 1, 5, 16, 100] {
-            let draws: Vec<_> =
-                (0..20_000).map(|n| Draws::of(&mut sampler, n, index).flat()).collect();
+            let draws: Vec<_> = (0..20_000)
+                .map(|n| Draws::of(&mut sampler, n, index).flat())
+                .collect();
             for d in 0..12 {
                 // The first byte, and the third: jitter is uniform far inside a stratum too.
                 for shift in [24, 8] {
                     let mut counts = [0; 256];
-                    draws.iter().for_each(|s| counts[(s[d] >> shift & 255) as usize] += 1);
+                    draws
+                        .iter()
+                        .for_each(|s| counts[(s[d] >> shift & 255) as usize] += 1);
                     let what = format!("{name}, sample {index}, dimension {d}, bits from {shift}");
                     assert_even(&counts, &what);
                 }
@@ -200,8 +226,9 @@ fn each_dimension_of_a_sample_is_uniform() {
 fn dimensions_of_a_sample_are_independent() {
     for (name, mut sampler) in samplers(12, 16) {
         for index in [0, 7] {
-            let draws: Vec<_> =
-                (0..20_000).map(|n| Draws::of(&mut sampler, n, index).flat()).collect();
+            let draws: Vec<_> = (0..20_000)
+                .map(|n| Draws::of(&mut sampler, n, index).flat())
+                .collect();
             for b in 0..12 {
                 for a in 0..b {
                     let what = format!("{name}, sample {index}, dimensions {a} and {b}");
@@ -214,36 +241,47 @@ fn dimensions_of_a_sample_are_independent() {
 
 #[test]
 fn dimensions_are_uncorrelated_over_the_samples_of_a_pixel() {
-    // Within a pixel, ordered alike in two dimensions, samples would lie on a diagonal; the mean over pixels of the
-    // square of their correlation tells, since its sign may change between pixels. For random orders it is 1/(spp − 1).
+    // Within a pixel, ordered alike in two dimensions, samples would lie on a diagonal; the mean over pixels
+    // of the square of their correlation tells, since its sign may change between pixels. For random orders
+    // it is 1/(spp − 1).
     let (spp, pixels) = (16, 4000);
     for (name, mut sampler) in samplers(13, spp) {
-        let mut squares = [[0.0; 12]; 12];
+        let pairs: Vec<_> = (0..12).flat_map(|b| (0..b).map(move |a| (a, b))).collect();
+        let mut squares = vec![0.0; pairs.len()];
         for n in 0..pixels {
             let draws: Vec<_> = (0..spp)
-                .map(|i| Draws::of(&mut sampler, n, i).flat().map(|u| f64::from(u) / 2f64.powi(32)))
+                .map(|i| {
+                    Draws::of(&mut sampler, n, i)
+                        .flat()
+                        .map(|u| f64::from(u) / 2f64.powi(32))
+                })
                 .collect();
-            for b in 0..12 {
-                for a in 0..b {
-                    squares[a][b] += correlation(draws.iter().map(|s| (s[a], s[b]))).powi(2);
-                }
+            for (sum, &(a, b)) in squares.iter_mut().zip(&pairs) {
+                *sum += correlation(draws.iter().map(|s| (s[a], s[b]))).powi(2);
             }
         }
-        for b in 0..12 {
-            for a in 0..b {
-                let mean = squares[a][b] / f64::from(pixels) * f64::from(spp - 1);
-                // The two halves of one Sobol' point are the exception that is wanted: less correlated than chance.
-                let together = a % 3 == 1 && b == a + 1;
-                let lowest = if together && name != "independent" { 0.0 } else { 0.85 };
-                assert!(mean > lowest && mean < 1.15, "{name}: {a} and {b}: {mean}");
-            }
+        for (sum, (a, b)) in squares.iter().zip(pairs) {
+            let mean = sum / f64::from(pixels) * f64::from(spp - 1);
+            // The two coordinates of one point are the exception that is wanted: less correlated than chance.
+            let together = a % 3 == 1 && b == a + 1;
+            // So are, the other way, the orders of Sobol': each aligned pair of samples is in opposite halves
+            // in every dimension, each four in opposite quarters.
+            let range = match name {
+                "independent" => 0.9..1.1,
+                _ if together => 0.0..0.15,
+                "stratified" => 0.9..1.1,
+                _ => 1.3..1.7,
+            };
+            assert!(range.contains(&mean), "{name}: {a} and {b}: {mean}");
         }
     }
 }
 
 fn correlation(pairs: impl Iterator<Item = (f64, f64)> + Clone) -> f64 {
     let n = pairs.clone().count() as f64;
-    let (sx, sy) = pairs.clone().fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
+    let (sx, sy) = pairs
+        .clone()
+        .fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
     let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
     for (x, y) in pairs {
         let (dx, dy) = (x - sx / n, y - sy / n);
@@ -287,7 +325,10 @@ fn pixels_seeds_and_passes_are_independent() {
     let pairs: Vec<_> = (0..20_000).map(|n| (draws(n, 3), draws(n, 16 + 3))).collect();
     for d in 0..12 {
         let points = pairs.iter().map(|(a, b)| [a[d], b[d]]);
-        assert_uniform_2d(points, &format!("stratified, dimension {d} against the next pass"));
+        assert_uniform_2d(
+            points,
+            &format!("stratified, dimension {d} against the next pass"),
+        );
     }
 }
 
@@ -341,22 +382,21 @@ fn patterns_lower_the_error() {
     let disk: Integrand = |x, y| f64::from(u8::from(x * x + y * y < 1.0));
     let disk_integral = std::f64::consts::FRAC_PI_4;
 
-    // Error of stratified and of sobol over that of independent, at most.
+    // Error of stratified and of sobol over that of independent, at most. Measured: 0.122 and 0.021, 0.412
+    // and 0.368, 0.228 and 0.247, 0.550 and 0.552.
     let expected = [
-        ("smooth", smooth, smooth_integral, 64, 1.0, 1.0),
-        ("disk", disk, disk_integral, 64, 1.0, 1.0),
-        ("smooth", smooth, smooth_integral, 17, 1.0, 1.0),
-        ("disk", disk, disk_integral, 17, 1.0, 1.0),
+        ("smooth", smooth, smooth_integral, 64, 0.14, 0.025),
+        ("disk", disk, disk_integral, 64, 0.45, 0.41),
+        ("smooth", smooth, smooth_integral, 17, 0.26, 0.28),
+        ("disk", disk, disk_integral, 17, 0.61, 0.61),
     ];
     for (name, f, exact, spp, stratified_bound, sobol_bound) in expected {
         let [independent, stratified, sobol] =
             samplers(41, spp).map(|(_, mut sampler)| rmse(&mut sampler, spp, exact, f));
-        println!(
-            "{name}, {spp} spp: independent {independent:.5}, stratified {stratified:.5} ({:.3}), sobol {sobol:.6} ({:.3})",
-            stratified / independent,
-            sobol / independent
+        assert!(
+            stratified < stratified_bound * independent,
+            "{name} at {spp}: {stratified}"
         );
-        assert!(stratified < stratified_bound * independent, "{name} at {spp}: {stratified}");
         assert!(sobol < sobol_bound * independent, "{name} at {spp}: {sobol}");
     }
 }
@@ -416,15 +456,106 @@ fn independent_draws_the_generator_in_order() {
     assert_eq!(sampler.next_2d(), [next(), next()]);
 }
 
+/// Asserts what `sampler` draws at two pixels: a number, a point, a number, a point.
+fn assert_known(sampler: impl Into<AnySampler>, expected: [[u32; 6]; 2]) {
+    let mut sampler = sampler.into();
+    for ((x, y, index), expected) in [(17, 200, 6), (17, 201, 123)].into_iter().zip(expected) {
+        sampler.start(x, y, index);
+        let draws: [[u32; 3]; 2] = std::array::from_fn(|_| {
+            let u = sampler.next_1d();
+            let [v, w] = sampler.next_2d();
+            [u, v, w].map(U0F32::to_bits)
+        });
+        assert_eq!(draws.as_flattened(), expected, "{draws:#x?}");
+    }
+}
+
 #[test]
 fn known_answers() {
-    // A change here changes every picture.
-    for spp in [16, 7] {
-        for (name, mut sampler) in samplers(5, spp) {
-            for (x, y, index) in [(17, 200, 6), (17, 201, 123)] {
-                sampler.start(x, y, index);
-                println!("{name} {spp} {:#x?}", [(); 2].map(|()| (sampler.next_1d().to_bits(), sampler.next_2d().map(U0F32::to_bits))));
-            }
-        }
-    }
+    // A change here changes every picture. They were checked against a model that shares no code: exact
+    // fractions, direction numbers one by one, residues by division.
+    assert_known(
+        Independent::<PcgRxsMXs32>::new(5),
+        [
+            [
+                0x9873_274a,
+                0xe616_b9fa,
+                0xdeb2_63d2,
+                0x45e1_7dc8,
+                0xaba9_bf60,
+                0x24ab_acb6,
+            ],
+            [
+                0x684e_2143,
+                0x4d8a_ad5d,
+                0x41b1_3301,
+                0x8107_950f,
+                0x569f_ee7b,
+                0xa4fb_9a49,
+            ],
+        ],
+    );
+    assert_known(
+        Stratified::new(5, 16),
+        [
+            [
+                0x1fdb_2627,
+                0x3036_1cfe,
+                0x0728_f276,
+                0xe80b_093e,
+                0xc14d_dc2f,
+                0x6002_dc86,
+            ],
+            [
+                0xf41f_29b4,
+                0x07b2_5b32,
+                0x97c4_a54f,
+                0xe204_4826,
+                0xd25e_3dfa,
+                0xae89_47bb,
+            ],
+        ],
+    );
+    assert_known(
+        Stratified::new(5, 7),
+        [
+            [
+                0x243e_0e15,
+                0x959d_7bff,
+                0x0c46_31f0,
+                0xc93d_cbfd,
+                0x01bd_2594,
+                0x36e0_557b,
+            ],
+            [
+                0x0f28_458a,
+                0x30dd_43d9,
+                0x3be3_0234,
+                0xd867_c01e,
+                0x0634_a659,
+                0xb56b_2626,
+            ],
+        ],
+    );
+    assert_known(
+        Sobol::new(5),
+        [
+            [
+                0xe2e8_692e,
+                0x847a_9478,
+                0xed4e_4336,
+                0xc967_1662,
+                0xbf77_7a93,
+                0xe6f1_2ae8,
+            ],
+            [
+                0x6828_b0d9,
+                0x96e2_1ac4,
+                0x266b_d1ed,
+                0xcb91_73ab,
+                0x2481_2097,
+                0x40cb_e005,
+            ],
+        ],
+    );
 }

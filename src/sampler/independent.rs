@@ -7,8 +7,9 @@ use rand_core::{Rng, SeedableRng, TryRng};
 
 /// Draws without a pattern: error falls as 1/√spp, whatever is integrated.
 ///
-/// Each sample seeds a generator `R` by hash(seed, pixel, sample index), every word of `R::Seed` by a hash of its
-/// own, and draws from it in order. Any generator of `rand_core` serves, if it never fails and starts cheaply.
+/// Each sample seeds a generator `R` by hash(seed, pixel, sample index), every word of `R::Seed` by a hash of
+/// its own, and draws from it in order. Any generator of `rand_core` serves, if it never fails and starts
+/// cheaply.
 #[derive(Clone, Debug)]
 pub struct Independent<R = PcgRxsMXs32> {
     seed: u32,

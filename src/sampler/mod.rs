@@ -1,21 +1,28 @@
 //! Random numbers for light transport: what a pixel's sample draws, and in which pattern.
 //!
-//! | Sampler | Pattern of one pixel's samples | Pick it |
+//! | Sampler | Pattern of one pixel's samples | Cycles on M0+: `start`, `next_1d`, `next_2d` |
 //! | --- | --- | --- |
-//! | [`Sobol`] | Owen-scrambled (0,2)-sequence: any run of 2ᵏ aligned samples is stratified in every way two dimensions can be | by default; the number of samples need not be known, best at powers of two |
-//! | [`Stratified`] | one sample in each of `spp` equal cells | when `spp` is known and is no power of two |
-//! | [`Independent`] | none | as the baseline others are measured by, or to bring a generator of one's own |
+//! | [`Sobol`] | Owen-scrambled (0,2)-sequence | 78, 130, 212 |
+//! | [`Stratified`] | one sample in each of `spp` equal cells | 124, 219, 340 |
+//! | [`Independent`] | none | 74, 28, 47 |
+//!
+//! Pick [`Sobol`] by default: the number of samples need not be known, and at powers of two nothing is better.
+//! Pick [`Stratified`] if the number is known and is no power of two. Pick [`Independent`] as the baseline by
+//! which the others are measured, or to bring a generator of one's own. Root mean square error against
+//! [`Independent`] at 64 samples (`tests/sampler.rs`): smooth integrand, [`Stratified`] 0.12, [`Sobol`] 0.02; the
+//! edge of a disk, 0.41 and 0.37. (Cycles: counted under QEMU with a model of the core, `opt-level = 3`, 16 spp.)
 //!
 //! Every number is a function of (seed, pixel, sample index, dimension) alone, never of time or order: tiles,
-//! threads and cores cannot change a picture, and any single sample can be drawn again. *Dimension* is how many
-//! draws came before in the same sample. So an integrator that draws the same number of times at each bounce
-//! keeps each dimension's pattern; one that does not stays unbiased, and loses some stratification.
+//! threads and cores cannot change a picture, and any single sample can be drawn again. *Dimension* is how
+//! many draws came before in the same sample. So an integrator that draws the same number of times at each
+//! bounce keeps each dimension's pattern; one that does not stays unbiased, and loses some stratification.
 //!
-//! Integers only: 32×32→32 multiplies, shifts and adds, no division after construction, the same bits on every
-//! target. Nothing here panics.
+//! Integers only: 32×32→32 multiplies, shifts and adds, no division after construction, the same bits on
+//! every target. Nothing here panics.
 
 mod hash;
 mod independent;
+mod order;
 mod pcg;
 mod sobol;
 mod stratified;
@@ -26,7 +33,6 @@ pub use independent::Independent;
 pub use pcg::PcgRxsMXs32;
 pub use sobol::Sobol;
 pub use stratified::Stratified;
-
 
 use fixed::types::U0F32;
 

@@ -5,12 +5,12 @@ use rand_core::{SeedableRng, TryRng, utils};
 
 /// PCG RXS-M-XS 32/32, one sequence: 4 bytes of state, period 2³², every value once in a period.
 ///
-/// Fast where a 32-bit multiply is, and good enough for pictures: it fails statistical tests only once a large part
-/// of the period is used. Not for secrets: the state can be read off one output.
+/// Since no value comes twice in a period, a run of much more than 2¹⁶ draws is too even; a sample of a pixel
+/// draws tens. Not for secrets: the state can be read off one output.
 ///
-/// `from_seed` reads the seed as little-endian and starts as the reference's `pcg32si_srandom_r` does. Source:
-/// O'Neill, "PCG: A family of simple fast space-efficient statistically good algorithms for random number generation"
-/// (2014), sections 6.3.4 and 7.1.
+/// `from_seed` reads the seed as little-endian and starts as the reference's `pcg32si_srandom_r` does.
+/// Source: O'Neill, "PCG: A family of simple fast space-efficient statistically good algorithms for random
+/// number generation" (2014), section 6.3.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PcgRxsMXs32 {
     state: u32,
@@ -21,9 +21,7 @@ impl PcgRxsMXs32 {
     const INCREMENT: u32 = 2_891_336_453;
 
     const fn advance(state: u32) -> u32 {
-        state
-            .wrapping_mul(Self::MULTIPLIER)
-            .wrapping_add(Self::INCREMENT)
+        state.wrapping_mul(Self::MULTIPLIER).wrapping_add(Self::INCREMENT)
     }
 
     /// Draws the next word and steps the state.

@@ -1,16 +1,17 @@
 //! Jittered stratified samples, for any number of samples.
 
-use super::{Sampler, hash, hash::Keys, mix};
+use super::{Sampler, hash, hash::Keys, mix, order::Order};
+use crate::num::mul_hi;
 use fixed::types::U0F32;
 
 /// One sample in each of `spp` strata, at a random place in it.
 ///
-/// Each `next_2d` divides the square into `spp` cells of equal area, and the pixel's samples 0 to `spp` − 1 fall one in
-/// each: nx × ny equal cells if `spp` has divisors with ny ≤ nx ≤ 2·ny (16 = 4×4, 8 = 4×2); else about √spp rows whose
-/// numbers of cells differ by at most one and whose heights are in proportion to them (7 = 3+2+2). Each `next_1d`
-/// divides [0, 1) into `spp` equal parts. Which sample takes which stratum is a hashed permutation, new for each
-/// dimension and pixel. Sample `spp` and after begin another pass in the same way; stopping in the middle of a pass is
-/// unbiased and forfeits the strata not yet taken.
+/// Each `next_2d` divides the square into `spp` cells of equal area, and the pixel's samples 0 to `spp` − 1
+/// fall one in each: nx × ny equal cells if `spp` has divisors with ny ≤ nx ≤ 2·ny (16 = 4×4, 8 = 4×2); else
+/// about √spp rows whose numbers of cells differ by at most one and whose heights are in proportion to them
+/// (7 = 3+2+2). Each `next_1d` divides [0, 1) into `spp` equal parts. Which sample takes which stratum is a
+/// hashed permutation, new for each dimension and pixel. Sample `spp` and after begin another pass in the
+/// same way; stopping in the middle of a pass is unbiased and forfeits the strata not yet taken.
 ///
 /// Above [`MAX_STRATA`](Self::MAX_STRATA) samples, a pass has that many.
 #[derive(Clone, Debug)]
@@ -45,7 +46,8 @@ impl Stratified {
 
     /// This sample's stratum in a new dimension.
     fn stratum(&mut self) -> u32 {
-        self.shape.permute(self.position, self.shared.draw())
+        let keys = [self.shared.draw(), self.shared.draw()];
+        self.shape.order.permute(self.position, keys)
     }
 }
 
@@ -75,8 +77,7 @@ impl Sampler for Stratified {
 struct Shape {
     /// All strata, of equal size.
     cells: Parts,
-    /// One less than the power of two at or above the number of strata.
-    mask: u32,
+    order: Order,
     /// Rows with one cell more than the others come first; cells in them.
     cells_in_long_rows: u32,
     long_row: Parts,
@@ -87,17 +88,19 @@ impl Shape {
     /// Divides the square into `n` cells, 1 ≤ `n` ≤ 2¹⁵.
     fn new(n: u32) -> Self {
         let root = n.isqrt();
-        let divisor = (1..=root).rev().find(|&d| n % d == 0).unwrap_or(1);
+        let divisor = (1..=root).rev().find(|&d| n.is_multiple_of(d)).unwrap_or(1);
         // Cells at most twice as wide as high, or as many rows as make them nearly square.
         let rows = if n <= 2 * divisor * divisor {
             divisor
         } else {
             root + u32::from(n > root * (root + 1))
         };
+        // Never 0, and `max` says so: division by it cannot panic.
+        let rows = rows.max(1);
         let (in_short_row, long_rows) = (n / rows, n % rows);
         Self {
             cells: Parts::new(n),
-            mask: n.next_power_of_two() - 1,
+            order: Order::new(n),
             cells_in_long_rows: long_rows * (in_short_row + 1),
             long_row: Parts::new(in_short_row + 1),
             short_row: Parts::new(in_short_row),
@@ -116,37 +119,8 @@ impl Shape {
         let height = row.count * self.cells.step - 1;
         [
             row.place(column, jitter[0]),
-            self.cells.start(cell - column) + scale(jitter[1], height),
+            self.cells.start(cell - column) + mul_hi(jitter[1], height),
         ]
-    }
-
-    /// A permutation of the strata chosen by `key`.
-    ///
-    /// Kensler, "Correlated multi-jittered sampling" (Pixar 13-01, 2013), listing 2: a hash that permutes the numbers up
-    /// to `mask`, walked until it comes back below `n`, which takes fewer than two steps on average; then a rotation, here
-    /// by a scaled part of the key rather than by a remainder.
-    const fn permute(&self, position: u32, key: u32) -> u32 {
-        let (n, w) = (self.cells.count, self.mask);
-        let mut i = position;
-        loop {
-            i = (i ^ key).wrapping_mul(0xe170_893d) ^ (key >> 16);
-            i ^= (i & w) >> 4;
-            i = (i ^ (key >> 8)).wrapping_mul(0x0929_eb3f) ^ (key >> 23);
-            i ^= (i & w) >> 1;
-            i = i.wrapping_mul(1 | key >> 27).wrapping_mul(0x6935_fa69);
-            i ^= (i & w) >> 11;
-            i = i.wrapping_mul(0x74dc_b303);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0x9e50_1cc3);
-            i ^= (i & w) >> 2;
-            i = i.wrapping_mul(0xc860_a3df) & w;
-            i ^= i >> 5;
-            if i < n {
-                break;
-            }
-        }
-        let rotated = i + ((mix(key) >> 16) * n >> 16);
-        if rotated < n { rotated } else { rotated - n }
     }
 }
 
@@ -161,7 +135,9 @@ struct Parts {
 }
 
 impl Parts {
-    const fn new(count: u32) -> Self {
+    /// A `count` of 0 is taken as 1.
+    fn new(count: u32) -> Self {
+        let count = count.max(1);
         let step = u32::MAX / count;
         let rest = u32::MAX % count + 1;
         Self {
@@ -180,25 +156,112 @@ impl Parts {
 
     /// The number of part `i` at `jitter`/2³² of its length. Never outside; the last two may be left out.
     const fn place(&self, i: u32, jitter: u32) -> u32 {
-        self.start(i) + scale(jitter, self.step - 1)
+        self.start(i) + mul_hi(jitter, self.step - 1)
     }
 
     /// Quotient and remainder of `x` by `count`.
     const fn split(&self, x: u32) -> (u32, u32) {
-        // Too small by at most 4: one for `step`, three for `scale`.
-        let mut quotient = scale(x, self.step);
-        let mut remainder = x - quotient * self.count;
-        while remainder >= self.count {
-            quotient += 1;
-            remainder -= self.count;
+        // `step` is at most 1 less than 2³²/count, so the estimate is at most 1 too small.
+        let quotient = mul_hi(x, self.step);
+        let remainder = x - quotient * self.count;
+        if remainder < self.count {
+            (quotient, remainder)
+        } else {
+            (quotient + 1, remainder - self.count)
         }
-        (quotient, remainder)
     }
 }
 
-/// a·b/2³² by 32-bit products: error in (−3, 0], never negative.
-const fn scale(a: u32, b: u32) -> u32 {
-    let [ah, al] = [a >> 16, a & 0xffff];
-    let [bh, bl] = [b >> 16, b & 0xffff];
-    ah * bh + (ah * bl >> 16) + (al * bh >> 16)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const COUNTS: [u32; 12] = [1, 2, 3, 4, 5, 7, 100, 181, 257, 32_749, 32_767, 32_768];
+
+    /// Which of `count` equal parts of [0, 2³²) holds `x`.
+    fn part(x: u32, count: u32) -> u32 {
+        ((u64::from(x) * u64::from(count)) >> 32) as u32
+    }
+
+    #[test]
+    fn a_part_holds_its_ends_and_all_but_four_between() {
+        for count in COUNTS {
+            let parts = Parts::new(count);
+            for i in 0..count {
+                let [first, last] = [0, u32::MAX].map(|jitter| parts.place(i, jitter));
+                assert_eq!([part(first, count), part(last, count)], [i, i], "{i} of {count}");
+                assert!(first < 2 || part(first - 2, count) != i, "{i} of {count}");
+                assert!(
+                    last > u32::MAX - 4 || part(last + 4, count) != i,
+                    "{i} of {count}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn split_divides() {
+        for count in COUNTS {
+            for x in [
+                0,
+                1,
+                count - 1,
+                count,
+                2 * count - 1,
+                1 << 31,
+                u32::MAX - 1,
+                u32::MAX,
+            ] {
+                assert_eq!(
+                    Parts::new(count).split(x),
+                    (x / count, x % count),
+                    "{x} by {count}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn cells_of_any_count_share_no_corner() {
+        for count in (1..400).chain([32_749, 32_768]) {
+            let shape = Shape::new(count);
+            let (mut row_start, mut row_end) = (0, 0);
+            for cell in 0..count {
+                let width = shape.short_row.count + u32::from(cell < shape.cells_in_long_rows);
+                if cell == row_end {
+                    (row_start, row_end) = (cell, cell + width);
+                }
+                for jitter in [[0, 0], [u32::MAX, 0], [0, u32::MAX], [u32::MAX; 2]] {
+                    let [x, y] = shape.place(cell, jitter);
+                    assert_eq!(part(x, width), cell - row_start, "{cell} of {count}");
+                    let in_row = row_start..row_end;
+                    assert!(in_row.contains(&part(y, count)), "{cell} of {count}");
+                }
+            }
+            let widest = shape.short_row.count + u32::from(shape.cells_in_long_rows > 0);
+            assert!(widest * widest <= 2 * count, "{count}: {widest} wide");
+        }
+    }
+
+    #[test]
+    fn rows_are_as_the_docs_say() {
+        for (count, long_rows, short_rows) in [
+            (1, [0, 2], [1, 1]),
+            (3, [1, 2], [1, 1]),
+            (7, [1, 3], [2, 2]),
+            (8, [0, 5], [2, 4]),
+            (16, [0, 5], [4, 4]),
+            (17, [1, 5], [3, 4]),
+        ] {
+            let shape = Shape::new(count);
+            let [rows, cells] = long_rows;
+            assert_eq!(
+                [shape.cells_in_long_rows, shape.long_row.count],
+                [rows * cells, cells]
+            );
+            let [rows, cells] = short_rows;
+            let rest = count - shape.cells_in_long_rows;
+            assert_eq!([rest, shape.short_row.count], [rows * cells, cells]);
+        }
+    }
 }
