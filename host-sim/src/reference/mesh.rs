@@ -1,0 +1,191 @@
+//! Triangles: a watertight test for one, a linear scan and a bounding-box tree over many.
+//!
+//! The test is Woop, Benthin and Wald's ("Watertight Ray/Triangle Intersection", JCGT 2013): a vertex is sheared to a
+//! point that depends on that vertex and the ray alone, so the two sides of a shared edge see the edge function with
+//! opposite signs exactly, and a ray on the edge hits at least one of them.
+
+use super::scene::Ray;
+use super::tree::Tree;
+use super::vec::Vec3;
+
+/// Meshes up to this many triangles are scanned one by one (after one test of the bounding box).
+const LINEAR_UP_TO: usize = 32;
+
+/// Triangles, counter-clockwise seen from the side of the normal.
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    vertices: Vec<Vec3>,
+    triangles: Vec<[u32; 3]>,
+    normals: Vec<Vec3>,
+    tree: Tree,
+}
+
+/// A hit on one triangle. `weights` are the barycentric coordinates of its three vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    pub t: f64,
+    pub triangle: u32,
+    pub weights: [f64; 3],
+}
+
+impl Mesh {
+    /// `normals`: one a vertex (any length but zero) for smooth shading, or empty for flat faces.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there, or `normals` is neither empty nor as long as `vertices`.
+    pub fn new(vertices: Vec<Vec3>, triangles: Vec<[u32; 3]>, normals: Vec<Vec3>) -> Mesh {
+        assert!(
+            normals.is_empty() || normals.len() == vertices.len(),
+            "one normal a vertex, or none"
+        );
+        let inside = |index: &u32| (*index as usize) < vertices.len();
+        assert!(
+            triangles.iter().flatten().all(inside),
+            "a triangle names a vertex that is not there"
+        );
+        let leaf = if triangles.len() <= LINEAR_UP_TO {
+            LINEAR_UP_TO
+        } else {
+            4
+        };
+        let tree = Tree::new(&vertices, &triangles, leaf);
+        Mesh {
+            vertices,
+            triangles,
+            normals,
+            tree,
+        }
+    }
+
+    pub fn vertices(&self) -> &[Vec3] {
+        &self.vertices
+    }
+
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// Lowest and highest corner; `None` without triangles.
+    pub fn bounds(&self) -> Option<(Vec3, Vec3)> {
+        let corners = || (0..self.triangles.len() as u32).flat_map(|index| self.corners(index));
+        Some((corners().reduce(Vec3::min)?, corners().reduce(Vec3::max)?))
+    }
+
+    pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
+        self.triangles[triangle as usize].map(|vertex| self.vertices[vertex as usize])
+    }
+
+    /// Normal of the face times twice its area.
+    pub fn double_area_normal(&self, triangle: u32) -> Vec3 {
+        let [a, b, c] = self.corners(triangle);
+        (b - a).cross(c - a)
+    }
+
+    /// Unit normal interpolated from the vertices, or `None` for flat faces (and where the normals cancel).
+    pub fn shading_normal(&self, hit: &TriangleHit) -> Option<Vec3> {
+        if self.normals.is_empty() {
+            return None;
+        }
+        let [a, b, c] =
+            self.triangles[hit.triangle as usize].map(|vertex| self.normals[vertex as usize].normalized());
+        let sum = a * hit.weights[0] + b * hit.weights[1] + c * hit.weights[2];
+        (sum.length_squared() > 0.0).then(|| sum.normalized())
+    }
+
+    /// The hit nearest to the origin with 0 < t <= `far`; of equal distances the lowest triangle.
+    pub fn closest(&self, ray: &Ray, far: f64) -> Option<TriangleHit> {
+        let shear = Shear::new(ray);
+        let mut best: Option<TriangleHit> = None;
+        self.tree.visit(ray, far, |index, far| {
+            if let Some(hit) = shear.triangle(self.corners(index), index, far)
+                && best.is_none_or(|best| hit.nearer_than(&best))
+            {
+                best = Some(hit);
+            }
+            best.map_or(far, |best| best.t)
+        });
+        best
+    }
+
+    /// The same as `closest`, by looking at every triangle: what the tree is tested against.
+    pub fn closest_linear(&self, ray: &Ray, far: f64) -> Option<TriangleHit> {
+        let shear = Shear::new(ray);
+        let hits = (0..self.triangles.len() as u32)
+            .filter_map(|index| shear.triangle(self.corners(index), index, far));
+        hits.reduce(|best, hit| if hit.nearer_than(&best) { hit } else { best })
+    }
+
+    /// Whether anything is hit with 0 < t <= `far`.
+    pub fn occludes(&self, ray: &Ray, far: f64) -> bool {
+        let shear = Shear::new(ray);
+        let mut found = false;
+        self.tree.visit(ray, far, |index, far| {
+            found = found || shear.triangle(self.corners(index), index, far).is_some();
+            if found { f64::NEG_INFINITY } else { far }
+        });
+        found
+    }
+}
+
+impl TriangleHit {
+    fn nearer_than(&self, other: &TriangleHit) -> bool {
+        self.t < other.t || (self.t == other.t && self.triangle < other.triangle)
+    }
+}
+
+/// The shear and permutation of axes that turn a ray into the positive z axis.
+struct Shear {
+    origin: Vec3,
+    axes: [usize; 3],
+    shear: [f64; 3],
+}
+
+impl Shear {
+    fn new(ray: &Ray) -> Shear {
+        let z = ray.direction.abs().largest_axis();
+        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        // Keep the winding when the ray runs down its axis.
+        let (x, y) = if ray.direction.get(z) < 0.0 {
+            (y, x)
+        } else {
+            (x, y)
+        };
+        let along = ray.direction.get(z);
+        let shear = [
+            ray.direction.get(x) / along,
+            ray.direction.get(y) / along,
+            1.0 / along,
+        ];
+        Shear {
+            origin: ray.origin,
+            axes: [x, y, z],
+            shear,
+        }
+    }
+
+    fn apply(&self, vertex: Vec3) -> [f64; 3] {
+        let [x, y, z] = self.axes.map(|axis| vertex.get(axis) - self.origin.get(axis));
+        [x - self.shear[0] * z, y - self.shear[1] * z, self.shear[2] * z]
+    }
+
+    /// 0 < t <= `far`, so that a hit as far as the best one so far can still win by its index.
+    fn triangle(&self, corners: [Vec3; 3], triangle: u32, far: f64) -> Option<TriangleHit> {
+        let [a, b, c] = corners.map(|vertex| self.apply(vertex));
+        let edges = [edge(b, c), edge(c, a), edge(a, b)];
+        if edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0) {
+            return None;
+        }
+        let sum = edges[0] + edges[1] + edges[2];
+        if sum == 0.0 {
+            return None;
+        }
+        let weights = edges.map(|e| e / sum);
+        let t = weights[0] * a[2] + weights[1] * b[2] + weights[2] * c[2];
+        (t > 0.0 && t <= far).then_some(TriangleHit { t, triangle, weights })
+    }
+}
+
+/// Twice the signed area that the origin spans with the edge from `a` to `b`.
+fn edge(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
