@@ -189,3 +189,158 @@ impl Shear {
 fn edge(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::rng::Rng;
+    use super::super::vec::vec3;
+    use super::super::warp;
+    use super::*;
+
+    fn random_point(rng: &mut Rng) -> Vec3 {
+        vec3(rng.uniform(), rng.uniform(), rng.uniform()) * 2.0 - Vec3::ONE
+    }
+
+    fn random_direction(rng: &mut Rng) -> Vec3 {
+        warp::cone(rng.pair(), 2.0)
+    }
+
+    /// Many small triangles anywhere, and some pairs that lie on each other.
+    fn confetti(count: u32, rng: &mut Rng) -> Mesh {
+        let mut vertices = Vec::new();
+        let mut triangles = Vec::new();
+        for index in 0..count {
+            let center = random_point(rng);
+            vertices.extend([(); 3].map(|()| center + random_point(rng) * 0.3));
+            triangles.push([3 * index, 3 * index + 1, 3 * index + 2]);
+            if index % 5 == 0 {
+                triangles.push([3 * index, 3 * index + 1, 3 * index + 2]);
+            }
+        }
+        Mesh::new(vertices, triangles, vec![])
+    }
+
+    /// A closed surface: a grid of latitudes and longitudes, bent to `radius(direction)`.
+    fn globe(bands: u32, radius: impl Fn(Vec3) -> f64) -> Mesh {
+        let columns = 2 * bands;
+        let mut vertices = vec![vec3(0.0, 0.0, radius(vec3(0.0, 0.0, 1.0)))];
+        for band in 1..bands {
+            for column in 0..columns {
+                let (sin, cos) = (std::f64::consts::PI * f64::from(band) / f64::from(bands)).sin_cos();
+                let (y, x) = (std::f64::consts::TAU * f64::from(column) / f64::from(columns)).sin_cos();
+                let direction = vec3(sin * x, sin * y, cos);
+                vertices.push(direction * radius(direction));
+            }
+        }
+        let south = vertices.len() as u32;
+        vertices.push(vec3(0.0, 0.0, -radius(vec3(0.0, 0.0, -1.0))));
+        let at = |band: u32, column: u32| match band {
+            0 => 0,
+            band if band == bands => south,
+            band => 1 + (band - 1) * columns + column % columns,
+        };
+        let mut triangles = Vec::new();
+        for band in 0..bands {
+            for column in 0..columns {
+                let [a, b] = [at(band, column), at(band, column + 1)];
+                let [c, d] = [at(band + 1, column), at(band + 1, column + 1)];
+                triangles.extend(
+                    [[a, c, d], [a, d, b]]
+                        .into_iter()
+                        .filter(|t| t[0] != t[1] && t[1] != t[2] && t[0] != t[2]),
+                );
+            }
+        }
+        Mesh::new(vertices, triangles, vec![])
+    }
+
+    fn assert_tree_is_linear(mesh: &Mesh, ray: &Ray) -> bool {
+        let linear = mesh.closest_linear(ray, f64::INFINITY);
+        assert_eq!(mesh.closest(ray, f64::INFINITY), linear, "{ray:?}");
+        assert_eq!(mesh.occludes(ray, f64::INFINITY), linear.is_some(), "{ray:?}");
+        if let Some(hit) = linear {
+            assert_eq!(mesh.closest(ray, hit.t), linear);
+            assert_eq!(
+                mesh.occludes(ray, hit.t * 0.999),
+                mesh.closest_linear(ray, hit.t * 0.999).is_some()
+            );
+        }
+        linear.is_some()
+    }
+
+    #[test]
+    fn the_tree_finds_what_the_linear_scan_finds() {
+        let mut rng = Rng::new(11, 0);
+        for count in [5, 30, 400] {
+            let mesh = confetti(count, &mut rng);
+            let hits = (0..4000).filter(|_| {
+                let ray = Ray {
+                    origin: random_point(&mut rng) * 1.5,
+                    direction: random_direction(&mut rng),
+                };
+                assert_tree_is_linear(&mesh, &ray)
+            });
+            assert!(hits.count() > 20);
+        }
+    }
+
+    #[test]
+    fn the_tree_finds_it_along_the_axes_and_through_vertices_too() {
+        let mut rng = Rng::new(12, 0);
+        let mesh = globe(12, |d| 1.0 + 0.2 * (5.0 * d.x).sin());
+        let axes = [vec3(1.0, 0.0, 0.0), vec3(0.0, 1.0, 0.0), vec3(0.0, 0.0, 1.0)];
+        for index in 0..mesh.vertices.len() {
+            for axis in axes.into_iter().flat_map(|axis| [axis, -axis]) {
+                assert_tree_is_linear(
+                    &mesh,
+                    &Ray {
+                        origin: mesh.vertices[index] - axis * 3.0,
+                        direction: axis,
+                    },
+                );
+            }
+            let direction = random_direction(&mut rng);
+            let origin = mesh.vertices[index] - direction * 2.0;
+            assert_tree_is_linear(&mesh, &Ray { origin, direction });
+        }
+    }
+
+    #[test]
+    fn no_ray_slips_out_through_an_edge_or_a_vertex() {
+        let mesh = globe(12, |_| 1.0);
+        let mut rng = Rng::new(13, 0);
+        for _ in 0..20_000 {
+            let triangle = rng.below(mesh.triangles.len()) as u32;
+            let [a, b, _] = mesh.corners(triangle);
+            let along = [0.0, 1.0, rng.uniform()][rng.below(3)];
+            let origin = random_point(&mut rng) * 0.4;
+            let direction = (a + (b - a) * along - origin).normalized();
+            assert!(
+                mesh.occludes(&Ray { origin, direction }, f64::INFINITY),
+                "{origin:?} {direction:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn smooth_normals_point_from_the_centre_of_a_globe() {
+        let flat = globe(12, |_| 2.0);
+        let mesh = Mesh::new(
+            flat.vertices.clone(),
+            flat.triangles.clone(),
+            flat.vertices.clone(),
+        );
+        let mut rng = Rng::new(14, 0);
+        for _ in 0..1000 {
+            let ray = Ray {
+                origin: Vec3::ZERO,
+                direction: random_direction(&mut rng),
+            };
+            let hit = mesh.closest(&ray, f64::INFINITY).expect("closed");
+            assert!(flat.shading_normal(&hit).is_none());
+            assert!((mesh.shading_normal(&hit).expect("smooth") - ray.direction).length() < 1e-14);
+            // The winding gives outward faces.
+            assert!(mesh.double_area_normal(hit.triangle).dot(ray.direction) > 0.0);
+        }
+    }
+}
