@@ -72,7 +72,12 @@ impl Mesh {
     }
 
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
-        self.triangles[triangle as usize].map(|vertex| self.vertices[vertex as usize])
+        let [a, b, c] = self.triangles[triangle as usize];
+        [
+            self.vertices[a as usize],
+            self.vertices[b as usize],
+            self.vertices[c as usize],
+        ]
     }
 
     /// Normal of the face times twice its area.
@@ -144,12 +149,6 @@ impl Shear {
     fn new(ray: &Ray) -> Shear {
         let z = ray.direction.abs().largest_axis();
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
-        // Keep the winding when the ray runs down its axis.
-        let (x, y) = if ray.direction.get(z) < 0.0 {
-            (y, x)
-        } else {
-            (x, y)
-        };
         let along = ray.direction.get(z);
         let shear = [
             ray.direction.get(x) / along,
@@ -164,13 +163,22 @@ impl Shear {
     }
 
     fn apply(&self, vertex: Vec3) -> [f64; 3] {
-        let [x, y, z] = self.axes.map(|axis| vertex.get(axis) - self.origin.get(axis));
+        let relative = vertex - self.origin;
+        let (x, y, z) = (
+            relative.get(self.axes[0]),
+            relative.get(self.axes[1]),
+            relative.get(self.axes[2]),
+        );
         [x - self.shear[0] * z, y - self.shear[1] * z, self.shear[2] * z]
     }
 
     /// 0 < t <= `far`, so that a hit as far as the best one so far can still win by its index.
     fn triangle(&self, corners: [Vec3; 3], triangle: u32, far: f64) -> Option<TriangleHit> {
-        let [a, b, c] = corners.map(|vertex| self.apply(vertex));
+        let (a, b, c) = (
+            self.apply(corners[0]),
+            self.apply(corners[1]),
+            self.apply(corners[2]),
+        );
         let edges = [edge(b, c), edge(c, a), edge(a, b)];
         if edges.iter().any(|&e| e < 0.0) && edges.iter().any(|&e| e > 0.0) {
             return None;

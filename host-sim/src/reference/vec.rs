@@ -67,7 +67,11 @@ impl Vec3 {
 
     /// Component 0, 1 or 2.
     pub fn get(self, axis: usize) -> f64 {
-        [self.x, self.y, self.z][axis]
+        match axis {
+            0 => self.x,
+            1 => self.y,
+            _ => self.z,
+        }
     }
 
     /// The axis of the largest component.

@@ -1,6 +1,9 @@
 //! Two estimators, any number of threads: one picture.
 
+use std::collections::HashSet;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::time::{Duration, Instant};
 
 use host_sim::reference::Estimator;
 
@@ -99,17 +102,27 @@ fn the_picture_is_the_same_on_any_number_of_threads() {
         spp: 16,
         ..Settings::default()
     };
-    let on = |threads| {
+    let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
             .expect("a pool");
         let rows = AtomicUsize::new(0);
+        let seen = Mutex::new(HashSet::new());
+        // No row ends before every thread has one, else a quick thread might do them all.
         let told = |done| {
             rows.fetch_max(done, Relaxed);
+            seen.lock().unwrap().insert(rayon::current_thread_index());
+            let start = Instant::now();
+            while seen.lock().unwrap().len() < threads && start.elapsed() < Duration::from_secs(10) {
+                std::thread::yield_now();
+            }
         };
         let rendering = pool.install(|| render(&scene, &settings, &told, &AtomicBool::new(false)));
-        assert_eq!(rows.into_inner(), 7);
+        assert_eq!(
+            (rows.into_inner(), seen.into_inner().unwrap().len()),
+            (7, threads)
+        );
         rendering.expect("nobody cancels")
     };
     let one = on(1);
@@ -117,5 +130,25 @@ fn the_picture_is_the_same_on_any_number_of_threads() {
     assert!(one.rays > 9 * 7 * 16);
     let other_seed = picture(&scene, &Settings { seed: 1, ..settings });
     assert_ne!(one.image, other_seed);
-    assert_eq!(render(&scene, &settings, &|_| (), &AtomicBool::new(true)), None);
+}
+
+#[test]
+fn a_cancelled_picture_is_none() {
+    let scene = lamps_of_every_kind();
+    let settings = Settings {
+        width: 4,
+        height: 8,
+        spp: 4,
+        ..Settings::default()
+    };
+    let cancel = AtomicBool::new(false);
+    let after_two_rows = |done| cancel.store(done >= 2, Relaxed);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(1)
+        .build()
+        .expect("a pool");
+    assert_eq!(
+        pool.install(|| render(&scene, &settings, &after_two_rows, &cancel)),
+        None
+    );
 }

@@ -124,3 +124,30 @@ fn a_one_sided_surface_is_black_from_behind() {
     };
     assert_near(pixel(&behind, 16, 4), 0.5, 1e-12);
 }
+
+#[test]
+fn a_shading_normal_bends_light_but_lets_none_through() {
+    // A square in the plane z = 0 that faces +z, whose normals lean to +x.
+    let vertices = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| vec3(x, y, 0.0));
+    let leaning = vec3(0.8, 0.0, 0.6);
+    let mesh = Mesh::new(vertices.to_vec(), vec![[0, 1, 2], [0, 2, 3]], vec![leaning; 4]);
+    let mesh = Geometry::Mesh(Arc::new(mesh));
+    let seen = |eye, towards_light: Vec3| {
+        let camera = Camera::look_at(eye, vec3(0.1, 0.2, 0.0), vec3(0.0, 1.0, 0.0), 1e-5);
+        let light = Light::Directional {
+            direction: -towards_light,
+            irradiance: Rgb::splat(2.0),
+        };
+        pixel(&scene(camera, vec![shape(mesh.clone(), 0)], vec![light]), 4, 2)
+    };
+    let overhead = vec3(0.0, 0.0, 1.0);
+    assert_near(
+        seen(vec3(0.5, 0.0, 3.0), overhead),
+        0.5 / std::f64::consts::PI * 2.0 * 0.6,
+        1e-12,
+    );
+    // The light is behind the face, though before the leaning normal.
+    assert_eq!(seen(vec3(0.5, 0.0, 3.0), vec3(1.0, 0.0, -0.1)), 0.0);
+    // The eye is before the face, though behind the leaning normal.
+    assert_eq!(seen(vec3(-3.0, 0.0, 1.0), overhead), 0.0);
+}

@@ -94,3 +94,16 @@ fn primary_rays_hit_where_geometry_says() {
     assert!(hit.shape == 1 && hit.normal == vec3(0.0, 0.0, 1.0) && matches!(hit.triangle, Some(10 | 11)));
     assert!(closest(&scene, &primary_ray(&scene, [40, 20], 0.5, 0.5)).is_none());
 }
+
+#[test]
+fn a_hit_lies_on_its_sphere_from_a_million_radii_away() {
+    let center = vec3(0.3, -0.2, 0.1);
+    let camera = Camera::look_at(vec3(1e6, 2e5, -3e5), center, vec3(0.0, 1.0, 0.0), 1e-4);
+    let far = scene(camera, vec![shape(sphere(center, 1.0), 0)], vec![]);
+    for step in 0..8 {
+        let ray = primary_ray(&far, [8, 8], f64::from(step), 4.0);
+        let hit = closest(&far, &ray).expect("the sphere fills the middle");
+        assert!(((hit.point - center).length() - 1.0).abs() < 1e-15);
+        assert!((hit.point - ray.at(hit.t)).length() < 1e-8);
+    }
+}
