@@ -2,3 +2,4 @@
 
 pub mod desc;
 pub mod quantise;
+pub mod reference;
