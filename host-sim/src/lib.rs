@@ -1,5 +1,7 @@
 //! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
 
+pub mod builtin;
 pub mod desc;
+pub mod import;
 pub mod quantise;
 pub mod reference;
