@@ -128,3 +128,49 @@ fn triangles<'a>(mesh: &TriangleMesh<'a>, first: u32, count: u32) -> &'a [[u16; 
     let first = first as usize;
     mesh.triangles.get(first..first + count as usize).unwrap_or(&[])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::{build_mesh, max_nodes};
+    use crate::geom::{Dir, Point};
+    use crate::shape::Grid;
+
+    /// A hundred times the same triangle, turned by its corners: the tree's order is not the list's.
+    #[test]
+    fn of_equals_the_first_is_hit() {
+        let vertices = [[100, 100, 9000], [60000, 200, 9000], [300, 50000, 9000], [400, 400, 400], [500, 500, 500]];
+        let mut triangles: std::vec::Vec<[u16; 3]> =
+            (0..100).map(|i| [[0, 1, 2], [1, 2, 0], [2, 1, 0], [3, 4, 3]][i % 4]).collect();
+        let mut nodes = std::vec![Node::EMPTY; max_nodes(100)];
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
+        let grid = Grid::new(Point([0; 3]), 0).unwrap();
+        let mesh = TriangleMesh { grid, vertices: &vertices, triangles: &triangles };
+        let first = triangles.iter().position(|t| !t.contains(&3)).unwrap() as u32;
+        for dir in [Dir::Z, Dir([300, -200, 65535])] {
+            let (ray, slopes) = (Ray { origin: Point([1000, 1000, 8]), dir }, Slopes::new(dir));
+            let hit = closest_linear(&mesh, &ray, &slopes, i32::MAX);
+            assert_eq!(hit.map(|h| (h.t, h.triangle)), Some((8992, first)));
+            assert_eq!(closest(&mesh, &nodes[..used], &ray, &slopes, i32::MAX), hit);
+            assert_eq!(closest(&mesh, &nodes[..used], &ray, &slopes, 8992), None);
+            assert!(occluded(&mesh, &nodes[..used], &ray, &slopes, 8993));
+        }
+    }
+
+    #[test]
+    fn what_the_border_would_refuse_is_a_miss() {
+        let vertices = [[100, 100, 9000], [60000, 200, 9000], [300, 50000, 9000]];
+        let grid = Grid::new(Point([0; 3]), 0).unwrap();
+        let mesh = TriangleMesh { grid, vertices: &vertices, triangles: &[[0, 1, 3]] };
+        let ray = Ray { origin: Point([1000, 1000, 8]), dir: Dir::Z };
+        let slopes = Slopes::new(Dir::Z);
+        assert_eq!(closest_linear(&mesh, &ray, &slopes, i32::MAX), None);
+        // Node 0 leads to nodes and leaves that are not there.
+        let whole = crate::shape::Bounds { low: [8; 3], high: [65000; 3] };
+        let mut node = Node::around(whole, 7, 9);
+        for (slot, meta) in [0x80, 0x83, 0x10, 0x7f].into_iter().enumerate() {
+            node.set(slot, whole, meta);
+        }
+        assert_eq!(closest(&mesh, &[node], &ray, &slopes, i32::MAX), None);
+    }
+}
