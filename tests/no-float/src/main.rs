@@ -5,12 +5,24 @@
 
 use core::hint::black_box;
 
-use microlux as _;
+use microlux::color::Radiance;
+use microlux::geom::Dir;
+use microlux::q;
+use microlux::sampler::{Sampler, Sobol, warp};
 
-/// A picture through the public API, from a value that the compiler cannot foresee; what is not called here is not
-/// checked.
-fn render(seed: u32) -> u32 {
-    seed.rotate_left(7) ^ 0x9e37_79b9
+/// A picture through the public API, from a seed that the compiler cannot foresee. What is not called is not checked.
+fn render(seed: u32) -> Radiance {
+    let mut sampler = Sobol::new(seed);
+    let light = Dir([0, 0, 1 << 16]);
+    let mut sum = Radiance::new(q!(0), q!(0), q!(0));
+    for sample in 0..16 {
+        sampler.start(3, 5, sample);
+        let wi = warp::sample_cosine_hemisphere(sampler.next_2d());
+        let cos = wi.reflect(light).dot(light);
+        sum = sum
+            .add(Radiance::new(q!(0.5), q!(0.25), q!(0.125)).scale(warp::pdf_cosine_hemisphere(cos.abs())));
+    }
+    sum
 }
 
 #[cfg(feature = "planted-float")]

@@ -126,7 +126,8 @@ fn libm(routines: &mut BTreeSet<String>) {
 fn is_rust_float(name: &str) -> bool {
     let mangled = name.starts_with("_ZN") || name.starts_with("_R");
     let has = |segment: &str| name.contains(&format!("{}{segment}", segment.len()));
-    let in_builtins = has("compiler_builtins") && (has("float") || has("math"));
+    // `int_traits` are the integers' part of `math`.
+    let in_builtins = has("compiler_builtins") && (has("float") || has("math")) && !has("int_traits");
     let in_core = has("flt2dec") || has("dec2flt") || (has("fmt") && has("float"));
     mangled && (in_builtins || in_core || has("libm") || has("micromath"))
 }
@@ -189,6 +190,7 @@ mod tests {
             "_ZN8microlux3num4root4sqrt17h0123456789abcdefE",
             "_ZN8microlux4film4tile5float17h0123456789abcdefE",
             "_ZN17compiler_builtins3int3mul17h0123456789abcdefE",
+            "_RNvXNtNtNtNtCs3j_17compiler_builtins4math9libm_math7support10int_traitsjINtB2_8CastFrommE9cast_fromBa_",
             "_ZN4core3fmt9Formatter3pad17h0123456789abcdefE",
         ] {
             assert!(!soft_float.is(name), "{name}");
