@@ -27,17 +27,34 @@ impl Camera {
         let up = Dir::new(up)?;
         let right = forward.cross(up)?;
         let up = right.cross(forward)?;
-        Some(Camera { origin, right, up, forward, tan_half, lens: (0, 1) })
+        Some(Camera {
+            origin,
+            right,
+            up,
+            forward,
+            tan_half,
+            lens: (0, 1),
+        })
     }
 
     /// From three directions at right angles: right and up in the picture, and forward into it.
     pub const fn from_frame(origin: Point, [right, up, forward]: [Dir; 3], tan_half: I12F20) -> Camera {
-        Camera { origin, right, up, forward, tan_half, lens: (0, 1) }
+        Camera {
+            origin,
+            right,
+            up,
+            forward,
+            tan_half,
+            lens: (0, 1),
+        }
     }
 
     /// The same with a lens of this radius, in focus at this distance along the view, units.
     pub const fn with_lens(self, radius: i32, focus: i32) -> Camera {
-        Camera { lens: (radius, focus), ..self }
+        Camera {
+            lens: (radius, focus),
+            ..self
+        }
     }
 
     /// Half the picture's width at distance 1 for a horizontal field of view: tan(angle / 2), to about 2^-15.
@@ -112,13 +129,24 @@ impl FilmPlane {
         let part = |i: usize| (f[i] << 4) + mul_shift(sx, r[i], 16) + mul_shift(sy, u[i], 16);
         let through = [part(0), part(1), part(2)];
         if !camera.has_lens() {
-            return Some(Ray { origin: camera.origin, dir: Dir::new(through)? });
+            return Some(Ray {
+                origin: camera.origin,
+                dir: Dir::new(through)?,
+            });
         }
         let (radius, focus) = camera.lens;
         let [lx, ly] = warp::sample_disk(lens);
         let scale = |by: i32| crate::num::mul_q16(radius, by);
-        let origin = camera.origin.along(camera.right, scale(lx)).along(camera.up, scale(ly));
-        let in_focus = camera.origin.add(crate::geom::Offset(through.map(|c| mul_shift(focus, c, 20))));
-        Some(Ray { origin, dir: origin.to(in_focus).normalize()?.0 })
+        let origin = camera
+            .origin
+            .along(camera.right, scale(lx))
+            .along(camera.up, scale(ly));
+        let in_focus = camera
+            .origin
+            .add(crate::geom::Offset(through.map(|c| mul_shift(focus, c, 20))));
+        Some(Ray {
+            origin,
+            dir: origin.to(in_focus).normalize()?.0,
+        })
     }
 }

@@ -39,9 +39,15 @@ pub struct Radiance {
 }
 
 impl Radiance {
-    pub const BLACK: Radiance = Radiance { mantissa: [0; 3], exponent: 0 };
+    pub const BLACK: Radiance = Radiance {
+        mantissa: [0; 3],
+        exponent: 0,
+    };
     /// 1 in each channel: the throughput of a path's first vertex.
-    pub const WHITE: Radiance = Radiance { mantissa: [1 << 15; 3], exponent: 0 };
+    pub const WHITE: Radiance = Radiance {
+        mantissa: [1 << 15; 3],
+        exponent: 0,
+    };
 
     /// From three channels `bits · 2^exponent`.
     pub const fn from_bits(bits: [u32; 3], exponent: i32) -> Radiance {
@@ -61,9 +67,15 @@ impl Radiance {
             return Radiance::BLACK;
         }
         if e > i16::MAX as i32 {
-            return Radiance { mantissa: [u16::MAX; 3], exponent: i16::MAX };
+            return Radiance {
+                mantissa: [u16::MAX; 3],
+                exponent: i16::MAX,
+            };
         }
-        Radiance { mantissa: [m[0] as u16, m[1] as u16, m[2] as u16], exponent: e as i16 }
+        Radiance {
+            mantissa: [m[0] as u16, m[1] as u16, m[2] as u16],
+            exponent: e as i16,
+        }
     }
 
     /// From three lengths' worth of numbers (Q16); negative ones count as 0.
@@ -88,7 +100,11 @@ impl Radiance {
     /// Channel by channel, by shares.
     #[inline]
     pub const fn mul_albedo(self, by: Albedo) -> Radiance {
-        let a = [by.0[0].to_bits() as u32, by.0[1].to_bits() as u32, by.0[2].to_bits() as u32];
+        let a = [
+            by.0[0].to_bits() as u32,
+            by.0[1].to_bits() as u32,
+            by.0[2].to_bits() as u32,
+        ];
         self.mul_channels(a, 0)
     }
 
@@ -96,7 +112,11 @@ impl Radiance {
     #[inline]
     #[allow(clippy::should_implement_trait, reason = "const")]
     pub const fn mul(self, by: Radiance) -> Radiance {
-        let a = [by.mantissa[0] as u32, by.mantissa[1] as u32, by.mantissa[2] as u32];
+        let a = [
+            by.mantissa[0] as u32,
+            by.mantissa[1] as u32,
+            by.mantissa[2] as u32,
+        ];
         self.mul_channels(a, by.exponent as i32)
     }
 
@@ -129,7 +149,11 @@ impl Radiance {
         if other.is_black() {
             return self;
         }
-        let (big, small) = if self.exponent >= other.exponent { (self, other) } else { (other, self) };
+        let (big, small) = if self.exponent >= other.exponent {
+            (self, other)
+        } else {
+            (other, self)
+        };
         let gap = (big.exponent as i32 - small.exponent as i32) as u32;
         if gap > 17 {
             return big;
@@ -181,9 +205,17 @@ impl Radiance {
 pub fn mean_q32(sum: [u64; 3], count: u32) -> Radiance {
     // Bring the largest sum to 32 bits, keep the others in step.
     let all = sum[0] | sum[1] | sum[2];
-    let zeros = if all >> 32 == 0 { 32 + leading_zeros(all as u32) } else { leading_zeros((all >> 32) as u32) };
+    let zeros = if all >> 32 == 0 {
+        32 + leading_zeros(all as u32)
+    } else {
+        leading_zeros((all >> 32) as u32)
+    };
     let shift = 32 - zeros.min(32);
-    let bits = [(sum[0] >> shift) as u32, (sum[1] >> shift) as u32, (sum[2] >> shift) as u32];
+    let bits = [
+        (sum[0] >> shift) as u32,
+        (sum[1] >> shift) as u32,
+        (sum[2] >> shift) as u32,
+    ];
     let r = recip(count);
     Radiance::from_bits(bits, shift as i32 - 32).scale(Wide::new(r.mantissa, -(r.shift as i32)))
 }
@@ -196,6 +228,10 @@ const fn round(bits: [u32; 3], shift: i32) -> [u32; 3] {
     } else {
         // Halves go up: ((x >> (shift - 1)) + 1) >> 1, which cannot overflow where ⌊(x + half) >> shift⌋ would.
         let s = shift as u32 - 1;
-        [((bits[0] >> s) + 1) >> 1, ((bits[1] >> s) + 1) >> 1, ((bits[2] >> s) + 1) >> 1]
+        [
+            ((bits[0] >> s) + 1) >> 1,
+            ((bits[1] >> s) + 1) >> 1,
+            ((bits[2] >> s) + 1) >> 1,
+        ]
     }
 }

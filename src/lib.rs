@@ -1,5 +1,15 @@
 #![no_std]
 #![forbid(unsafe_code)]
+// No floats outside tests; clippy.toml disallows the types, `cargo xtask no-float` looks into a linked program.
+#![cfg_attr(
+    not(test),
+    deny(
+        clippy::disallowed_types,
+        clippy::float_arithmetic,
+        clippy::float_cmp,
+        clippy::float_cmp_const
+    )
+)]
 
 #[cfg(test)]
 extern crate std;

@@ -31,9 +31,22 @@ pub struct Renderer<'s, S> {
 }
 
 impl<'s, S: Sampler> Renderer<'s, S> {
-    pub fn new(scene: &'s Scene<'s>, camera: Camera, integrator: Path, sampler: S, settings: Settings) -> Self {
+    pub fn new(
+        scene: &'s Scene<'s>,
+        camera: Camera,
+        integrator: Path,
+        sampler: S,
+        settings: Settings,
+    ) -> Self {
         let film = camera.film(settings.width, settings.height);
-        Renderer { scene, film, integrator, settings, sampler, done: 0 }
+        Renderer {
+            scene,
+            film,
+            integrator,
+            settings,
+            sampler,
+            done: 0,
+        }
     }
 
     /// The mean radiance of one pixel: the same whoever renders it, and when.
@@ -45,7 +58,10 @@ impl<'s, S: Sampler> Renderer<'s, S> {
             let place = self.sampler.next_2d();
             let lens = self.sampler.next_2d();
             if let Some(ray) = self.film.ray(x, y, place, lens) {
-                let sample = self.integrator.radiance(self.scene, ray, &mut self.sampler).to_q32();
+                let sample = self
+                    .integrator
+                    .radiance(self.scene, ray, &mut self.sampler)
+                    .to_q32();
                 sum = [sum[0] + sample[0], sum[1] + sample[1], sum[2] + sample[2]];
             }
         }
@@ -76,7 +92,10 @@ impl<'s, S: Sampler> Renderer<'s, S> {
         } else {
             (room.min(width - x), 1)
         };
-        Some(Rectangle::new(Point::new(x as i32, y as i32), Size::new(across, down)))
+        Some(Rectangle::new(
+            Point::new(x as i32, y as i32),
+            Size::new(across, down),
+        ))
     }
 
     /// Renders one tile, whichever.
@@ -89,7 +108,10 @@ impl<'s, S: Sampler> Renderer<'s, S> {
             *pixel = self.pixel(x, y);
             done += 1;
         }
-        Tile { area, pixels: strip.get(..done).unwrap_or(&[]) }
+        Tile {
+            area,
+            pixels: strip.get(..done).unwrap_or(&[]),
+        }
     }
 
     /// Begins at the first tile again.

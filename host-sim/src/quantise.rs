@@ -51,9 +51,15 @@ struct OwnedMesh {
 
 impl OwnedMesh {
     fn borrow(&self) -> Mesh<'_> {
-        let triangles =
-            TriangleMesh { grid: self.grid, vertices: &self.vertices, triangles: &self.triangles };
-        Mesh { triangles, nodes: &self.nodes }
+        let triangles = TriangleMesh {
+            grid: self.grid,
+            vertices: &self.vertices,
+            triangles: &self.triangles,
+        };
+        Mesh {
+            triangles,
+            nodes: &self.nodes,
+        }
     }
 }
 
@@ -61,15 +67,24 @@ impl CoreScene {
     /// Chooses the finest unit in which the scene fits, with the middle of the scene as origin, and rounds.
     pub fn new(desc: &SceneDesc) -> Result<CoreScene, QuantiseError> {
         let (origin, unit) = choose_unit(desc);
-        let round = Rounding { origin, scale: f64::from(unit.fraction_bits()).exp2() };
-        let materials = desc.materials.iter().map(|m| material(&m.name, m.two_sided, &m.bsdf));
+        let round = Rounding {
+            origin,
+            scale: f64::from(unit.fraction_bits()).exp2(),
+        };
+        let materials = desc
+            .materials
+            .iter()
+            .map(|m| material(&m.name, m.two_sided, &m.bsdf));
         let materials = materials.collect::<Result<Vec<_>, _>>()?;
         let mut shapes = Vec::new();
         let mut lights = Vec::new();
         let mut meshes = Vec::new();
         for (index, shape) in desc.shapes.iter().enumerate() {
             let light = shape.emission.map(|emission| {
-                lights.push(Light::Area { shape: index as u16, radiance: radiance(emission) });
+                lights.push(Light::Area {
+                    shape: index as u16,
+                    radiance: radiance(emission),
+                });
                 (lights.len() - 1) as u16
             });
             let geometry = match &shape.geometry {
@@ -79,23 +94,43 @@ impl CoreScene {
                 }
                 _ => round.geometry(shape)?,
             };
-            shapes.push(Shape { geometry, material: shape.material as u16, light, id: index as u16 });
+            shapes.push(Shape {
+                geometry,
+                material: shape.material as u16,
+                light,
+                id: index as u16,
+            });
         }
         let mut environment = None;
         for light in &desc.lights {
             match light {
                 LightDesc::Point { position, intensity } => {
-                    lights.push(Light::Point { position: round.point(*position), intensity: radiance(*intensity) });
+                    lights.push(Light::Point {
+                        position: round.point(*position),
+                        intensity: radiance(*intensity),
+                    });
                 }
-                LightDesc::Directional { direction, irradiance } => {
-                    lights.push(Light::Directional { direction: dir(*direction), irradiance: radiance(*irradiance) });
+                LightDesc::Directional {
+                    direction,
+                    irradiance,
+                } => {
+                    lights.push(Light::Directional {
+                        direction: dir(*direction),
+                        irradiance: radiance(*irradiance),
+                    });
                 }
                 LightDesc::Constant { radiance: r } => {
-                    environment = Some(Light::Environment { radiance: radiance(*r) });
+                    environment = Some(Light::Environment {
+                        radiance: radiance(*r),
+                    });
                 }
                 LightDesc::EnvMap { .. } => {
-                    let what = "the fixed-point core has no environment maps yet; use a constant one".to_string();
-                    return Err(QuantiseError::Unsupported { name: "envmap".into(), what });
+                    let what =
+                        "the fixed-point core has no environment maps yet; use a constant one".to_string();
+                    return Err(QuantiseError::Unsupported {
+                        name: "envmap".into(),
+                        what,
+                    });
                 }
             }
         }
@@ -108,7 +143,18 @@ impl CoreScene {
             .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         nodes.truncate(arrangement.nodes);
         let camera = round.camera(desc);
-        Ok(CoreScene { unit, origin, camera, shapes, materials, lights, meshes, nodes, arrangement, names })
+        Ok(CoreScene {
+            unit,
+            origin,
+            camera,
+            shapes,
+            materials,
+            lights,
+            meshes,
+            nodes,
+            arrangement,
+            names,
+        })
     }
 
     /// The meshes as the core borrows them.
@@ -128,10 +174,15 @@ impl CoreScene {
             grid: self.arrangement.grid,
             nodes: &self.nodes,
         };
-        Scene::new(parts).map_err(|error| match error.shape().and_then(|id| self.names.get(id as usize)) {
-            Some(name) => QuantiseError::Shape { name: name.clone(), error },
-            None => QuantiseError::Scene(error),
-        })
+        Scene::new(parts).map_err(
+            |error| match error.shape().and_then(|id| self.names.get(id as usize)) {
+                Some(name) => QuantiseError::Shape {
+                    name: name.clone(),
+                    error,
+                },
+                None => QuantiseError::Scene(error),
+            },
+        )
     }
 }
 
@@ -142,7 +193,9 @@ fn bounds(shape: &ShapeDesc) -> Vec<Vec3> {
         GeometryDesc::Sphere { center, radius } => around(*center, [*radius; 3]),
         GeometryDesc::Plane { point, .. } => vec![*point],
         GeometryDesc::Disk { center, radius, .. } => around(*center, [*radius; 3]),
-        GeometryDesc::Rectangle { center, u, v } => around(*center, [0, 1, 2].map(|i| u[i].abs() + v[i].abs())),
+        GeometryDesc::Rectangle { center, u, v } => {
+            around(*center, [0, 1, 2].map(|i| u[i].abs() + v[i].abs()))
+        }
         GeometryDesc::Mesh(mesh) => mesh.vertices.clone(),
     }
 }
@@ -189,18 +242,25 @@ impl Rounding {
     }
 
     fn geometry(&self, shape: &ShapeDesc) -> Result<Geometry, QuantiseError> {
-        let degenerate = || QuantiseError::Unsupported { name: shape.name.clone(), what: "has no extent".into() };
+        let degenerate = || QuantiseError::Unsupported {
+            name: shape.name.clone(),
+            what: "has no extent".into(),
+        };
         Ok(match &shape.geometry {
             GeometryDesc::Sphere { center, radius } => {
                 Sphere::new(self.point(*center), self.length(*radius)).into()
             }
             GeometryDesc::Plane { point, normal } => Plane::new(self.point(*point), dir(*normal)).into(),
-            GeometryDesc::Disk { center, normal, radius } => {
-                Disk::new(self.point(*center), dir(*normal), self.length(*radius)).into()
-            }
+            GeometryDesc::Disk {
+                center,
+                normal,
+                radius,
+            } => Disk::new(self.point(*center), dir(*normal), self.length(*radius)).into(),
             GeometryDesc::Rectangle { center, u, v } => {
                 let half = [self.length(norm(*u)), self.length(norm(*v))];
-                Rectangle::new(self.point(*center), dir(*u), dir(*v), half).ok_or_else(degenerate)?.into()
+                Rectangle::new(self.point(*center), dir(*u), dir(*v), half)
+                    .ok_or_else(degenerate)?
+                    .into()
             }
             GeometryDesc::Mesh(_) => return Err(degenerate()),
         })
@@ -208,38 +268,65 @@ impl Rounding {
 
     /// Into the finest cube around it; triangles that lose their area there are left out.
     fn mesh(&self, name: &str, mesh: &MeshDesc) -> Result<OwnedMesh, QuantiseError> {
-        let error = |what: String| QuantiseError::Unsupported { name: name.to_string(), what };
+        let error = |what: String| QuantiseError::Unsupported {
+            name: name.to_string(),
+            what,
+        };
         let points: Vec<Point> = mesh.vertices.iter().map(|v| self.point(*v)).collect();
-        let (low, high) = points.iter().fold(([i32::MAX; 3], [i32::MIN; 3]), |(low, high), p| {
-            ([0, 1, 2].map(|i| low[i].min(p.0[i])), [0, 1, 2].map(|i| high[i].max(p.0[i])))
-        });
+        let (low, high) = points
+            .iter()
+            .fold(([i32::MAX; 3], [i32::MIN; 3]), |(low, high), p| {
+                (
+                    [0, 1, 2].map(|i| low[i].min(p.0[i])),
+                    [0, 1, 2].map(|i| high[i].max(p.0[i])),
+                )
+            });
         let grid = Grid::around(Point(low), Point(high), Grid::MARGIN);
         let grid = grid.ok_or_else(|| error("reaches too far, or has no vertices".into()))?;
         if points.len() > 1 << 16 {
             let count = points.len();
-            return Err(error(format!("has {count} vertices; a mesh can have 65536: split it")));
+            return Err(error(format!(
+                "has {count} vertices; a mesh can have 65536: split it"
+            )));
         }
         let step = f64::from(grid.shift()).exp2();
         let to_grid = |v: &Vec3| {
             [0, 1, 2].map(|i| {
                 let units = (v[i] - self.origin[i]) * self.scale - f64::from(grid.origin().0[i]);
-                (units / step).round().clamp(f64::from(Grid::MARGIN), f64::from(u16::MAX - Grid::MARGIN)) as u16
+                (units / step)
+                    .round()
+                    .clamp(f64::from(Grid::MARGIN), f64::from(u16::MAX - Grid::MARGIN)) as u16
             })
         };
         let vertices: Vec<_> = mesh.vertices.iter().map(to_grid).collect();
         let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|i| i as u16)).collect();
-        let whole = TriangleMesh { grid, vertices: &vertices, triangles: &triangles };
-        let kept: Vec<bool> = (0..triangles.len()).map(|i| whole.normal(i as u32).is_some()).collect();
+        let whole = TriangleMesh {
+            grid,
+            vertices: &vertices,
+            triangles: &triangles,
+        };
+        let kept: Vec<bool> = (0..triangles.len())
+            .map(|i| whole.normal(i as u32).is_some())
+            .collect();
         let mut kept = kept.into_iter();
         triangles.retain(|_| kept.next().unwrap_or(false));
         if triangles.is_empty() {
             return Err(error("has no triangle with an area".into()));
         }
         let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
-        let used = build_mesh(&vertices, &mut triangles, &mut nodes)
-            .map_err(|e| error(format!("needs {} nodes; a mesh can have 65536: split it", e.needed)))?;
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes).map_err(|e| {
+            error(format!(
+                "needs {} nodes; a mesh can have 65536: split it",
+                e.needed
+            ))
+        })?;
         nodes.truncate(used);
-        Ok(OwnedMesh { grid, vertices, triangles, nodes })
+        Ok(OwnedMesh {
+            grid,
+            vertices,
+            triangles,
+            nodes,
+        })
     }
 
     fn camera(&self, desc: &SceneDesc) -> Camera {
@@ -248,7 +335,10 @@ impl Rounding {
         let tan_half = I12F20::saturating_from_num((camera.fov_x.to_radians() / 2.0).tan());
         let pinhole = Camera::from_frame(self.point(camera.origin), frame, tan_half);
         match camera.lens {
-            Some(lens) => pinhole.with_lens(self.length(lens.aperture_radius), self.length(lens.focus_distance)),
+            Some(lens) => pinhole.with_lens(
+                self.length(lens.aperture_radius),
+                self.length(lens.focus_distance),
+            ),
             None => pinhole,
         }
     }
@@ -275,26 +365,42 @@ fn radiance(color: Vec3) -> Radiance {
         return Radiance::BLACK;
     }
     let exponent = largest.log2().floor() as i32 - 15;
-    Radiance::from_bits(color.map(|c| (c.max(0.0) * f64::from(-exponent).exp2()).round() as u32), exponent)
+    Radiance::from_bits(
+        color.map(|c| (c.max(0.0) * f64::from(-exponent).exp2()).round() as u32),
+        exponent,
+    )
 }
 
 fn material(name: &str, two_sided: bool, bsdf: &BsdfDesc) -> Result<Material, QuantiseError> {
     Ok(match bsdf {
-        BsdfDesc::Diffuse { reflectance } => Material::Lambert { albedo: albedo(*reflectance), two_sided },
-        BsdfDesc::Conductor { specular_reflectance, eta_k: None } => {
-            Material::Mirror { reflectance: albedo(*specular_reflectance), two_sided }
-        }
-        BsdfDesc::Dielectric { int_ior, ext_ior, specular_reflectance, specular_transmittance } => {
-            Material::Dielectric(
-                Dielectric::new(Metres::saturating_from_num(int_ior / ext_ior))
-                    .tinted(albedo(*specular_reflectance), albedo(*specular_transmittance)),
-            )
-        }
+        BsdfDesc::Diffuse { reflectance } => Material::Lambert {
+            albedo: albedo(*reflectance),
+            two_sided,
+        },
+        BsdfDesc::Conductor {
+            specular_reflectance,
+            eta_k: None,
+        } => Material::Mirror {
+            reflectance: albedo(*specular_reflectance),
+            two_sided,
+        },
+        BsdfDesc::Dielectric {
+            int_ior,
+            ext_ior,
+            specular_reflectance,
+            specular_transmittance,
+        } => Material::Dielectric(
+            Dielectric::new(Metres::saturating_from_num(int_ior / ext_ior))
+                .tinted(albedo(*specular_reflectance), albedo(*specular_transmittance)),
+        ),
         other => {
             let kind = format!("{other:?}");
             let kind = kind.split([' ', '{']).next().unwrap_or_default().to_lowercase();
             let what = format!("the fixed-point core has no {kind} yet; use diffuse, dielectric or a mirror");
-            return Err(QuantiseError::Unsupported { name: name.to_string(), what });
+            return Err(QuantiseError::Unsupported {
+                name: name.to_string(),
+                what,
+            });
         }
     })
 }

@@ -80,7 +80,9 @@ impl Primitives for Triangles<'_> {
 
     fn bounds(&self, i: u32) -> Bounds {
         let triangle = self.triangles.get(i as usize);
-        triangle.and_then(|&t| corners(self.vertices, t)).map_or(Bounds::EMPTY, |c| Bounds::of(&c))
+        triangle
+            .and_then(|&t| corners(self.vertices, t))
+            .map_or(Bounds::EMPTY, |c| Bounds::of(&c))
     }
 
     fn swap(&mut self, i: u32, j: u32) {
@@ -148,10 +150,18 @@ fn build<P: Primitives>(p: &mut P, pad: u16, nodes: &mut [Node]) -> Result<usize
     }
     let mut used = 1u32;
     let mut jobs: Vec<Job, JOBS> = Vec::new();
-    let mut next = Some(Job { node: 0, level: 1, first: 0, count });
+    let mut next = Some(Job {
+        node: 0,
+        level: 1,
+        first: 0,
+        count,
+    });
     while let Some(job) = next {
         let parts = divide(p, &job);
-        let all = parts.iter().fold(Bounds::EMPTY, |b, part| b.union(part.bounds)).pad(pad);
+        let all = parts
+            .iter()
+            .fold(Bounds::EMPTY, |b, part| b.union(part.bounds))
+            .pad(pad);
         let base = used;
         let mut node = Node::around(all, base as u16, job.first);
         for (slot, part) in parts.iter().enumerate() {
@@ -171,7 +181,12 @@ fn build<P: Primitives>(p: &mut P, pad: u16, nodes: &mut [Node]) -> Result<usize
         let mut child = used;
         for part in parts.iter().rev().filter(|part| !part.is_leaf()) {
             child -= 1;
-            let job = Job { node: child as u16, level: job.level + 1, first: part.first, count: part.count };
+            let job = Job {
+                node: child as u16,
+                level: job.level + 1,
+                first: part.first,
+                count: part.count,
+            };
             jobs.push(job).map_err(|_| small)?;
         }
         next = jobs.pop();
@@ -189,8 +204,17 @@ fn divide<P: Primitives>(p: &mut P, job: &Job) -> Vec<Part, 4> {
     let mut parts: Vec<Part, 4> = Vec::new();
     parts.extend([whole]);
     while parts.len() < 4 {
-        let size = |part: &Part| if by_count { part.count as u64 } else { area(part.bounds) + 1 };
-        let inner = parts.iter_mut().filter(|part| !part.is_leaf()).max_by_key(|part| size(part));
+        let size = |part: &Part| {
+            if by_count {
+                part.count as u64
+            } else {
+                area(part.bounds) + 1
+            }
+        };
+        let inner = parts
+            .iter_mut()
+            .filter(|part| !part.is_leaf())
+            .max_by_key(|part| size(part));
         let Some(part) = inner else {
             break;
         };
@@ -218,9 +242,11 @@ fn cut(p: &impl Primitives, part: &mut Part, middle: u32) -> Part {
 /// A box is tested for each ray that meets the node, a primitive (five times the work) for each that meets its leaf.
 fn split_leaves<P: Primitives>(p: &mut P, parts: &mut Vec<Part, 4>, node_area: u64) {
     while parts.len() < 4 {
-        let gain = |part: &Part, split: &Split| (area(part.bounds) * part.count as u64).saturating_sub(split.cost);
+        let gain =
+            |part: &Part, split: &Split| (area(part.bounds) * part.count as u64).saturating_sub(split.cost);
         let candidates = parts.iter_mut().filter(|part| part.is_leaf());
-        let splits = candidates.filter_map(|part| Split::best(p, part).map(|split| (gain(part, &split), part, split)));
+        let splits =
+            candidates.filter_map(|part| Split::best(p, part).map(|split| (gain(part, &split), part, split)));
         match splits.max_by_key(|(gain, _, _)| *gain) {
             Some((gain, part, split)) if 5 * gain > node_area => {
                 let middle = split.apply(p, part);
@@ -256,7 +282,11 @@ fn leaves_first<P: Primitives>(p: &mut P, parts: &mut Vec<Part, 4>) {
 /// Half the surface of a box grown by one step, steps²: under 2^34. 0 for none.
 fn area(b: Bounds) -> u64 {
     let [x, y, z] = [0, 1, 2].map(|a| (b.high[a] as u64 + 2).saturating_sub(b.low[a] as u64));
-    if b.low[0] > b.high[0] { 0 } else { x * y + y * z + z * x }
+    if b.low[0] > b.high[0] {
+        0
+    } else {
+        x * y + y * z + z * x
+    }
 }
 
 /// Twice the centre of a box along an axis.
@@ -287,13 +317,21 @@ struct Split {
 impl Split {
     /// The cheapest; `None` if all centres coincide.
     fn best(p: &impl Primitives, part: &Part) -> Option<Split> {
-        (0..3).filter_map(|axis| Split::along(p, part, axis)).min_by_key(|split| split.cost)
+        (0..3)
+            .filter_map(|axis| Split::along(p, part, axis))
+            .min_by_key(|split| split.cost)
     }
 
     fn along(p: &impl Primitives, part: &Part, axis: usize) -> Option<Split> {
         let (low, high) = spread(p, part, axis);
         let width = (high > low).then(|| high - low + 1)?;
-        let mut split = Split { axis, low, width, bin: 0, cost: u64::MAX };
+        let mut split = Split {
+            axis,
+            low,
+            width,
+            bin: 0,
+            cost: u64::MAX,
+        };
         let mut bins = [(Bounds::EMPTY, 0u64); BINS];
         for i in part.first..part.first + part.count {
             let bounds = p.bounds(i);
@@ -355,12 +393,24 @@ fn halve(p: &mut impl Primitives, part: &Part) -> u32 {
     let axis = (0..3).max_by_key(width).unwrap_or(0);
     // The largest value with at most half of the centres below it.
     let below = |value: u32| {
-        (part.first..part.first + part.count).filter(|&i| centre_2x(p.bounds(i), axis) < value).count() as u32
+        (part.first..part.first + part.count)
+            .filter(|&i| centre_2x(p.bounds(i), axis) < value)
+            .count() as u32
     };
-    let value = (0..17).rev().fold(0, |value, bit| if below(value | 1 << bit) <= half { value | 1 << bit } else { value });
+    let value = (0..17).rev().fold(0, |value, bit| {
+        if below(value | 1 << bit) <= half {
+            value | 1 << bit
+        } else {
+            value
+        }
+    });
     let middle = to_front(p, part, |b| centre_2x(b, axis) < value);
     // Those at the value itself may go either way.
-    let rest = Part { first: middle, count: part.first + part.count - middle, ..*part };
+    let rest = Part {
+        first: middle,
+        count: part.first + part.count - middle,
+        ..*part
+    };
     to_front(p, &rest, |b| centre_2x(b, axis) == value);
     part.first + half
 }
@@ -371,7 +421,12 @@ mod tests {
     use crate::bvh::check_items;
 
     fn boxes(n: u16, at: impl Fn(u16) -> u16) -> std::vec::Vec<Bounds> {
-        (0..n).map(|i| Bounds { low: [at(i), 1000, 1000], high: [at(i) + 10, 1010, 1010] }).collect()
+        (0..n)
+            .map(|i| Bounds {
+                low: [at(i), 1000, 1000],
+                high: [at(i) + 10, 1010, 1010],
+            })
+            .collect()
     }
 
     #[test]
@@ -384,7 +439,12 @@ mod tests {
                 check_items(&items, 16, &nodes[..used]).unwrap();
                 if used > 1 {
                     let too_few = &mut nodes[..used - 1];
-                    assert_eq!(build_items(&mut items, 16, too_few), Err(BuildError { needed: max_nodes(n as usize) }));
+                    assert_eq!(
+                        build_items(&mut items, 16, too_few),
+                        Err(BuildError {
+                            needed: max_nodes(n as usize)
+                        })
+                    );
                 }
             }
         }
@@ -396,7 +456,10 @@ mod tests {
         let mut items: std::vec::Vec<Bounds> = (0..4000u32)
             .map(|i| {
                 let at = 60000u32 >> (i / 250);
-                Bounds { low: [at as u16; 3], high: [at as u16 + 1; 3] }
+                Bounds {
+                    low: [at as u16; 3],
+                    high: [at as u16 + 1; 3],
+                }
             })
             .collect();
         let mut nodes = std::vec![Node::EMPTY; max_nodes(items.len())];

@@ -29,8 +29,15 @@ impl core::fmt::Display for CheckError {
             Self::NoNode { node } => write!(f, "there is no node {node}"),
             Self::TooDeep { node } => write!(f, "node {node} lies deeper than {MAX_DEPTH} levels"),
             Self::Malformed { node } => write!(f, "node {node} is malformed"),
-            Self::Order { node, expected, found } => {
-                write!(f, "node {node}: its leaf begins at primitive {found} instead of {expected}")
+            Self::Order {
+                node,
+                expected,
+                found,
+            } => {
+                write!(
+                    f,
+                    "node {node}: its leaf begins at primitive {found} instead of {expected}"
+                )
             }
             Self::Unreached { primitive } => write!(f, "no leaf holds primitive {primitive}"),
             Self::Outside { primitive } => write!(f, "primitive {primitive} sticks out of a box above it"),
@@ -47,7 +54,11 @@ pub fn check_mesh(mesh: &TriangleMesh, nodes: &[Node]) -> Result<usize, CheckErr
 
 /// Check a tree over items with boxes; answers the depth.
 pub fn check_items<T: Item>(items: &[T], pad: u16, nodes: &[Node]) -> Result<usize, CheckError> {
-    check_tree(items.len(), |i| items.get(i as usize).map(|item| item.bounds().pad(pad)), nodes)
+    check_tree(
+        items.len(),
+        |i| items.get(i as usize).map(|item| item.bounds().pad(pad)),
+        nodes,
+    )
 }
 
 struct Job {
@@ -67,14 +78,23 @@ pub(crate) fn check_tree(
 ) -> Result<usize, CheckError> {
     let mut next = 0u32;
     let mut depth = 0;
-    let whole = Bounds { low: [0; 3], high: [u16::MAX; 3] };
+    let whole = Bounds {
+        low: [0; 3],
+        high: [u16::MAX; 3],
+    };
     let mut jobs: Vec<Job, { 3 * MAX_DEPTH + 1 }> = Vec::new();
     if count > 0 {
-        jobs.extend([Job { node: 0, level: 1, within: whole }]);
+        jobs.extend([Job {
+            node: 0,
+            level: 1,
+            within: whole,
+        }]);
     }
     while let Some(job) = jobs.pop() {
         let index = job.node as u32;
-        let node = nodes.get(job.node as usize).ok_or(CheckError::NoNode { node: index })?;
+        let node = nodes
+            .get(job.node as usize)
+            .ok_or(CheckError::NoNode { node: index })?;
         if job.level as usize > MAX_DEPTH {
             return Err(CheckError::TooDeep { node: index });
         }
@@ -86,10 +106,16 @@ pub(crate) fn check_tree(
             let within = common(job.within, node.bounds(slot));
             match node.child(node.meta[slot]) {
                 Child::None if node.meta[slot] != 0 => return Err(CheckError::Malformed { node: index }),
-                Child::Node(_) if node.meta[slot] & 0x7c != 0 => return Err(CheckError::Malformed { node: index }),
+                Child::Node(_) if node.meta[slot] & 0x7c != 0 => {
+                    return Err(CheckError::Malformed { node: index });
+                }
                 Child::Leaf { first, count } => {
                     if first != next {
-                        return Err(CheckError::Order { node: index, expected: next, found: first });
+                        return Err(CheckError::Order {
+                            node: index,
+                            expected: next,
+                            found: first,
+                        });
                     }
                     for primitive in first..first + count {
                         let inside = bounds(primitive).is_some_and(|b| within.contains(b));
@@ -105,12 +131,20 @@ pub(crate) fn check_tree(
         for slot in (0..4).rev() {
             if let Child::Node(child) = node.child(node.meta[slot]) {
                 let within = common(job.within, node.bounds(slot));
-                let job = Job { node: child, level: job.level + 1, within };
+                let job = Job {
+                    node: child,
+                    level: job.level + 1,
+                    within,
+                };
                 jobs.push(job).map_err(|_| CheckError::TooDeep { node: index })?;
             }
         }
     }
-    if next as usize == count { Ok(depth) } else { Err(CheckError::Unreached { primitive: next }) }
+    if next as usize == count {
+        Ok(depth)
+    } else {
+        Err(CheckError::Unreached { primitive: next })
+    }
 }
 
 /// The box that both contain.
@@ -128,8 +162,12 @@ mod tests {
 
     /// Forty boxes in a row and their tree.
     fn row() -> (std::vec::Vec<Bounds>, std::vec::Vec<Node>) {
-        let mut items: std::vec::Vec<Bounds> =
-            (1..=40).map(|i| Bounds { low: [1000 * i, 500, 500], high: [1000 * i + 900, 700, 700] }).collect();
+        let mut items: std::vec::Vec<Bounds> = (1..=40)
+            .map(|i| Bounds {
+                low: [1000 * i, 500, 500],
+                high: [1000 * i + 900, 700, 700],
+            })
+            .collect();
         let mut nodes = std::vec![Node::EMPTY; max_nodes(items.len())];
         let used = build_items(&mut items, 16, &mut nodes).unwrap();
         nodes.truncate(used);
@@ -146,15 +184,34 @@ mod tests {
             check_items(&items, 16, &nodes).unwrap_err()
         };
         let last = nodes.len() as u32 - 1;
-        assert_eq!(faulty(&|n| n.truncate(last as usize)), CheckError::NoNode { node: last });
+        assert_eq!(
+            faulty(&|n| n.truncate(last as usize)),
+            CheckError::NoNode { node: last }
+        );
         assert_eq!(faulty(&|n| n[0].nodes = 0), CheckError::TooDeep { node: 0 });
         assert_eq!(faulty(&|n| n[1].exponent = 10), CheckError::Malformed { node: 1 });
         assert_eq!(faulty(&|n| n[1] = Node::EMPTY), CheckError::Malformed { node: 1 });
         assert_eq!(faulty(&|n| n[1].meta[0] = 3), CheckError::Malformed { node: 1 });
-        assert_eq!(faulty(&|n| n[2] = n[1]), CheckError::Order { node: 2, expected: 10, found: 0 });
-        assert_eq!(faulty(&|n| n[0].meta[3] = 0), CheckError::Unreached { primitive: 30 });
-        assert!(matches!(faulty(&|n| n[1].planes[1][0][0] += 255), CheckError::Outside { .. }));
+        assert_eq!(
+            faulty(&|n| n[2] = n[1]),
+            CheckError::Order {
+                node: 2,
+                expected: 10,
+                found: 0
+            }
+        );
+        assert_eq!(
+            faulty(&|n| n[0].meta[3] = 0),
+            CheckError::Unreached { primitive: 30 }
+        );
+        assert!(matches!(
+            faulty(&|n| n[1].planes[1][0][0] += 255),
+            CheckError::Outside { .. }
+        ));
         items[7].high[2] = 800;
-        assert_eq!(check_items(&items, 16, &nodes), Err(CheckError::Outside { primitive: 7 }));
+        assert_eq!(
+            check_items(&items, 16, &nodes),
+            Err(CheckError::Outside { primitive: 7 })
+        );
     }
 }

@@ -10,7 +10,13 @@ use core::ops::ControlFlow;
 /// The nearest hit at a distance under `t_max`; of equal depths (1/16 step) that of the lowest index.
 ///
 /// `nodes` is the mesh's tree, of [`super::build_mesh`] or past [`super::check_mesh`].
-pub fn closest(mesh: &TriangleMesh, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
+pub fn closest(
+    mesh: &TriangleMesh,
+    nodes: &[Node],
+    ray: &Ray,
+    slopes: &Slopes,
+    t_max: i32,
+) -> Option<MeshHit> {
     let ray = GridRay::enter(&mesh.grid, ray, slopes)?;
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
@@ -32,7 +38,12 @@ pub fn occluded(mesh: &TriangleMesh, nodes: &[Node], ray: &Ray, slopes: &Slopes,
     let Some(ray) = GridRay::enter(&mesh.grid, ray, slopes) else {
         return false;
     };
-    let mut any = Any { mesh, limit: ray.limit(t_max), t_max, found: false };
+    let mut any = Any {
+        mesh,
+        limit: ray.limit(t_max),
+        t_max,
+        found: false,
+    };
     traverse(nodes, &ray, &mut any);
     any.found
 }
@@ -42,7 +53,17 @@ pub fn occluded_linear(mesh: &TriangleMesh, ray: &Ray, slopes: &Slopes, t_max: i
     let Some(ray) = GridRay::enter(&mesh.grid, ray, slopes) else {
         return false;
     };
-    visit_all(mesh, &ray, &mut Any { mesh, limit: i32::MAX, t_max, found: false }).is_break()
+    visit_all(
+        mesh,
+        &ray,
+        &mut Any {
+            mesh,
+            limit: i32::MAX,
+            t_max,
+            found: false,
+        },
+    )
+    .is_break()
 }
 
 fn visit_all(mesh: &TriangleMesh, ray: &GridRay, visitor: &mut impl Visitor) -> ControlFlow<()> {
@@ -66,12 +87,23 @@ impl<'a> Nearest<'a> {
 
     /// Nothing yet, and nothing beyond a depth.
     fn within(mesh: &'a TriangleMesh<'a>, depth: i32) -> Nearest<'a> {
-        Nearest { mesh, hit: TriangleHit { depth, b1: 0, b2: 0 }, triangle: Nearest::NONE }
+        Nearest {
+            mesh,
+            hit: TriangleHit { depth, b1: 0, b2: 0 },
+            triangle: Nearest::NONE,
+        }
     }
 
     fn hit(&self, ray: &GridRay, t_max: i32) -> Option<MeshHit> {
-        let t = (self.triangle != Nearest::NONE).then(|| ray.distance(self.hit.depth)).filter(|&t| t < t_max)?;
-        Some(MeshHit { t, triangle: self.triangle, b1: self.hit.b1, b2: self.hit.b2 })
+        let t = (self.triangle != Nearest::NONE)
+            .then(|| ray.distance(self.hit.depth))
+            .filter(|&t| t < t_max)?;
+        Some(MeshHit {
+            t,
+            triangle: self.triangle,
+            b1: self.hit.b1,
+            b2: self.hit.b2,
+        })
     }
 }
 
@@ -139,16 +171,33 @@ mod tests {
     /// A hundred times the same triangle, turned by its corners: the tree's order is not the list's.
     #[test]
     fn of_equals_the_first_is_hit() {
-        let vertices = [[100, 100, 9000], [60000, 200, 9000], [300, 50000, 9000], [400, 400, 400], [500, 500, 500]];
-        let mut triangles: std::vec::Vec<[u16; 3]> =
-            (0..100).map(|i| [[0, 1, 2], [1, 2, 0], [2, 1, 0], [3, 4, 3]][i % 4]).collect();
+        let vertices = [
+            [100, 100, 9000],
+            [60000, 200, 9000],
+            [300, 50000, 9000],
+            [400, 400, 400],
+            [500, 500, 500],
+        ];
+        let mut triangles: std::vec::Vec<[u16; 3]> = (0..100)
+            .map(|i| [[0, 1, 2], [1, 2, 0], [2, 1, 0], [3, 4, 3]][i % 4])
+            .collect();
         let mut nodes = std::vec![Node::EMPTY; max_nodes(100)];
         let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
         let grid = Grid::new(Point([0; 3]), 0).unwrap();
-        let mesh = TriangleMesh { grid, vertices: &vertices, triangles: &triangles };
+        let mesh = TriangleMesh {
+            grid,
+            vertices: &vertices,
+            triangles: &triangles,
+        };
         let first = triangles.iter().position(|t| !t.contains(&3)).unwrap() as u32;
         for dir in [Dir::Z, Dir([300, -200, 65535])] {
-            let (ray, slopes) = (Ray { origin: Point([1000, 1000, 8]), dir }, Slopes::new(dir));
+            let (ray, slopes) = (
+                Ray {
+                    origin: Point([1000, 1000, 8]),
+                    dir,
+                },
+                Slopes::new(dir),
+            );
             let hit = closest_linear(&mesh, &ray, &slopes, i32::MAX);
             assert_eq!(hit.map(|h| (h.t, h.triangle)), Some((8992, first)));
             assert_eq!(closest(&mesh, &nodes[..used], &ray, &slopes, i32::MAX), hit);
@@ -161,12 +210,22 @@ mod tests {
     fn what_the_border_would_refuse_is_a_miss() {
         let vertices = [[100, 100, 9000], [60000, 200, 9000], [300, 50000, 9000]];
         let grid = Grid::new(Point([0; 3]), 0).unwrap();
-        let mesh = TriangleMesh { grid, vertices: &vertices, triangles: &[[0, 1, 3]] };
-        let ray = Ray { origin: Point([1000, 1000, 8]), dir: Dir::Z };
+        let mesh = TriangleMesh {
+            grid,
+            vertices: &vertices,
+            triangles: &[[0, 1, 3]],
+        };
+        let ray = Ray {
+            origin: Point([1000, 1000, 8]),
+            dir: Dir::Z,
+        };
         let slopes = Slopes::new(Dir::Z);
         assert_eq!(closest_linear(&mesh, &ray, &slopes, i32::MAX), None);
         // Node 0 leads to nodes and leaves that are not there.
-        let whole = crate::shape::Bounds { low: [8; 3], high: [65000; 3] };
+        let whole = crate::shape::Bounds {
+            low: [8; 3],
+            high: [65000; 3],
+        };
         let mut node = Node::around(whole, 7, 9);
         for (slot, meta) in [0x80, 0x83, 0x10, 0x7f].into_iter().enumerate() {
             node.set(slot, whole, meta);

@@ -54,7 +54,10 @@ impl Node {
 
     /// Around `bounds`, with the finest exponent that reaches across; leaves count from `primitives` (< 2^24).
     pub(crate) fn around(bounds: Bounds, nodes: u16, primitives: u32) -> Node {
-        let extent = (0..3).map(|a| bounds.high[a].saturating_sub(bounds.low[a])).max().unwrap_or(0) as u32;
+        let extent = (0..3)
+            .map(|a| bounds.high[a].saturating_sub(bounds.low[a]))
+            .max()
+            .unwrap_or(0) as u32;
         // 255 << 9 > 65535.
         let exponent = (0..9).find(|&e| extent <= 255 << e).unwrap_or(9);
         Node {
@@ -90,7 +93,10 @@ impl Node {
         if meta & 0x80 != 0 {
             Child::Node(self.nodes.wrapping_add((meta & 3) as u16))
         } else if meta >= 0x10 {
-            Child::Leaf { first: self.primitives() + (meta & 15) as u32, count: (meta >> 4) as u32 }
+            Child::Leaf {
+                first: self.primitives() + (meta & 15) as u32,
+                count: (meta >> 4) as u32,
+            }
         } else {
             Child::None
         }
@@ -102,7 +108,10 @@ impl Node {
             let q = self.planes[a][side][slot & 3] as u32;
             (self.origin[a] as u32 + (q << (self.exponent & 15))).min(65535) as u16
         };
-        Bounds { low: [0, 1, 2].map(|a| plane(a, 0)), high: [0, 1, 2].map(|a| plane(a, 1)) }
+        Bounds {
+            low: [0, 1, 2].map(|a| plane(a, 0)),
+            high: [0, 1, 2].map(|a| plane(a, 1)),
+        }
     }
 }
 
@@ -112,13 +121,31 @@ mod tests {
 
     #[test]
     fn planes_round_outwards() {
-        let all = Bounds { low: [9, 100, 1000], high: [1009, 300, 1300] };
+        let all = Bounds {
+            low: [9, 100, 1000],
+            high: [1009, 300, 1300],
+        };
         let mut node = Node::around(all, 5, 70_000);
         assert_eq!((node.exponent, node.primitives()), (2, 70_000));
-        let part = Bounds { low: [10, 103, 1001], high: [1009, 299, 1300] };
+        let part = Bounds {
+            low: [10, 103, 1001],
+            high: [1009, 299, 1300],
+        };
         node.set(1, part, 0x23);
-        assert_eq!(node.bounds(1), Bounds { low: [9, 100, 1000], high: [1009, 300, 1300] });
-        assert_eq!(node.child(node.meta[1]), Child::Leaf { first: 70_003, count: 2 });
+        assert_eq!(
+            node.bounds(1),
+            Bounds {
+                low: [9, 100, 1000],
+                high: [1009, 300, 1300]
+            }
+        );
+        assert_eq!(
+            node.child(node.meta[1]),
+            Child::Leaf {
+                first: 70_003,
+                count: 2
+            }
+        );
         assert_eq!(node.child(0x82), Child::Node(7));
         assert_eq!(node.child(node.meta[0]), Child::None);
     }

@@ -22,7 +22,9 @@ impl Unit {
         } else {
             fraction_bits
         };
-        Unit { fraction_bits: bits as i8 }
+        Unit {
+            fraction_bits: bits as i8,
+        }
     }
 
     #[inline]

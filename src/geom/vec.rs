@@ -26,13 +26,21 @@ impl Point {
     #[inline(always)]
     pub const fn to(self, other: Point) -> Offset {
         let (a, b) = (self.0, other.0);
-        Offset([b[0].wrapping_sub(a[0]), b[1].wrapping_sub(a[1]), b[2].wrapping_sub(a[2])])
+        Offset([
+            b[0].wrapping_sub(a[0]),
+            b[1].wrapping_sub(a[1]),
+            b[2].wrapping_sub(a[2]),
+        ])
     }
 
     #[inline(always)]
     pub const fn add(self, by: Offset) -> Point {
         let (a, b) = (self.0, by.0);
-        Point([a[0].wrapping_add(b[0]), a[1].wrapping_add(b[1]), a[2].wrapping_add(b[2])])
+        Point([
+            a[0].wrapping_add(b[0]),
+            a[1].wrapping_add(b[1]),
+            a[2].wrapping_add(b[2]),
+        ])
     }
 
     /// The point `distance` units along `dir`, rounded down.
@@ -46,14 +54,20 @@ impl Offset {
     #[inline(always)]
     pub const fn minus(self, other: Offset) -> Offset {
         let (a, b) = (self.0, other.0);
-        Offset([a[0].wrapping_sub(b[0]), a[1].wrapping_sub(b[1]), a[2].wrapping_sub(b[2])])
+        Offset([
+            a[0].wrapping_sub(b[0]),
+            a[1].wrapping_sub(b[1]),
+            a[2].wrapping_sub(b[2]),
+        ])
     }
 
     /// Length along `dir`, units: three products, each rounded down (error −3 ..= 0 units).
     #[inline]
     pub const fn dot(self, dir: Dir) -> i32 {
         let (a, d) = (self.0, dir.0);
-        mul_q16(a[0], d[0]).wrapping_add(mul_q16(a[1], d[1])).wrapping_add(mul_q16(a[2], d[2]))
+        mul_q16(a[0], d[0])
+            .wrapping_add(mul_q16(a[1], d[1]))
+            .wrapping_add(mul_q16(a[2], d[2]))
     }
 
     /// Direction and length; `None` for nothing.
@@ -68,14 +82,26 @@ impl Offset {
         }
         // For the length, components of up to 15 bits, the largest of 15: squares add up to less than 2^32.
         let shift = 17 - leading_zeros(m as u32 | 1) as i32;
-        let short = if shift > 0 { v.map(|c| ((c >> (shift - 1)) + 1) >> 1) } else { v.map(|c| c << -shift) };
+        let short = if shift > 0 {
+            v.map(|c| ((c >> (shift - 1)) + 1) >> 1)
+        } else {
+            v.map(|c| c << -shift)
+        };
         let square =
             (short[0] * short[0]) as u32 + (short[1] * short[1]) as u32 + (short[2] * short[2]) as u32;
         let (mantissa, half) = rsqrt(square);
         // For the direction, all the bits there are; one more than wanted, to round by.
         let down = (29 + shift - half as i32) as u32;
         let dir = v.map(|c| (mul_shift(c, (mantissa >> 1) as i32, down) + 1) >> 1);
-        Some((Dir(dir), Norm { square, shift, mantissa, half }))
+        Some((
+            Dir(dir),
+            Norm {
+                square,
+                shift,
+                mantissa,
+                half,
+            },
+        ))
     }
 }
 
@@ -86,7 +112,11 @@ impl Norm {
         // √n · 2^15 with n = square · 2^(2 half)
         let root = mul_hi(self.square << (2 * self.half), self.mantissa);
         let down = 15 + self.half as i32 - self.shift;
-        if down >= 0 { (root >> down.min(31)) as i32 } else { (root << -down) as i32 }
+        if down >= 0 {
+            (root >> down.min(31)) as i32
+        } else {
+            (root << -down) as i32
+        }
     }
 
     /// Squared length, units².
@@ -131,14 +161,22 @@ impl Dir {
         let minor = |i: usize, j: usize| mul_shift(a[i], b[j], 2).wrapping_sub(mul_shift(a[j], b[i], 2));
         let v = [minor(1, 2), minor(2, 0), minor(0, 1)];
         // Below 2^-10 the rounded factors decide where it points.
-        if v.iter().all(|c| c.abs() < 1 << 20) { None } else { Dir::new(v) }
+        if v.iter().all(|c| c.abs() < 1 << 20) {
+            None
+        } else {
+            Dir::new(v)
+        }
     }
 
     /// The offset of `distance` units this way, rounded down.
     #[inline]
     pub const fn times(self, distance: i32) -> Offset {
         let d = self.0;
-        Offset([mul_q16(distance, d[0]), mul_q16(distance, d[1]), mul_q16(distance, d[2])])
+        Offset([
+            mul_q16(distance, d[0]),
+            mul_q16(distance, d[1]),
+            mul_q16(distance, d[2]),
+        ])
     }
 
     /// The mirror image of a direction that points away from the surface, about the normal: 2 (w·n) n − w.
@@ -146,7 +184,11 @@ impl Dir {
     pub fn reflect(self, normal: Dir) -> Dir {
         let twice = 2 * self.dot(normal);
         let (w, n) = (self.0, normal.0);
-        Dir([mul_q16(twice, n[0]) - w[0], mul_q16(twice, n[1]) - w[1], mul_q16(twice, n[2]) - w[2]])
+        Dir([
+            mul_q16(twice, n[0]) - w[0],
+            mul_q16(twice, n[1]) - w[1],
+            mul_q16(twice, n[2]) - w[2],
+        ])
     }
 }
 
@@ -161,5 +203,9 @@ impl core::ops::Neg for Dir {
 /// a × b of components under 2^15 in magnitude: each result is under 2^31.
 #[inline]
 pub const fn cross(a: [i32; 3], b: [i32; 3]) -> [i32; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }

@@ -23,7 +23,11 @@ pub struct Path {
 impl Path {
     /// As Mitsuba has it: roulette from the fifth segment on.
     pub const fn new(max_depth: u16) -> Path {
-        Path { max_depth, rr_depth: 5, hide_emitters: false }
+        Path {
+            max_depth,
+            rr_depth: 5,
+            hide_emitters: false,
+        }
     }
 
     /// Direct light only: paths of at most two segments.
@@ -85,7 +89,10 @@ impl Path {
             }
             eta_squared = eta_squared * sample.eta_squared;
             bsdf_pdf = sample.pdf;
-            ray = Ray { origin: vertex.surface.leave(sample.wi), dir: sample.wi };
+            ray = Ray {
+                origin: vertex.surface.leave(sample.wi),
+                dir: sample.wi,
+            };
 
             // End paths that carry little, and let the others make up for it.
             if depth >= self.rr_depth {
@@ -109,7 +116,10 @@ impl Path {
         let Some((reflected, bsdf_pdf)) = vertex.material.eval(&vertex.local(), sample.wi) else {
             return Radiance::BLACK;
         };
-        let shadow = Ray { origin: vertex.surface.leave(sample.wi), dir: sample.wi };
+        let shadow = Ray {
+            origin: vertex.surface.leave(sample.wi),
+            dir: sample.wi,
+        };
         if scene.occluded(&shadow, sample.distance) {
             return Radiance::BLACK;
         }

@@ -9,26 +9,49 @@ use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere};
 ///
 /// Spheres: uniform in the cone they fill. Flat shapes and triangles: uniform by area, pdf = d² / (A cos θ).
 #[inline]
-pub fn sample_area(emitter: Emitter, radiance: Radiance, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
+pub fn sample_area(
+    emitter: Emitter,
+    radiance: Radiance,
+    from: Point,
+    u: [Uniform; 2],
+) -> Option<LightSample> {
     let (target, normal, lift, area) = match emitter {
         Emitter::Shape(Geometry::Sphere(sphere)) => return sample_sphere(sphere, radiance, from, u),
         Emitter::Shape(Geometry::Disk(disk)) => {
-            let Disk { center, normal, radius } = *disk;
+            let Disk {
+                center,
+                normal,
+                radius,
+            } = *disk;
             let frame = Frame::about(normal);
             let [x, y] = warp::sample_disk(u);
-            let target =
-                center.along(frame.s, mul_q16(radius, x)).along(frame.t, mul_q16(radius, y));
+            let target = center
+                .along(frame.s, mul_q16(radius, x))
+                .along(frame.t, mul_q16(radius, y));
             (target, normal, LIFT, disk.area())
         }
         Emitter::Shape(Geometry::Rectangle(rectangle)) => {
-            let Rectangle { center, u: s, v: t, normal, half } = *rectangle;
+            let Rectangle {
+                center,
+                u: s,
+                v: t,
+                normal,
+                half,
+            } = *rectangle;
             let signed = |u: Uniform| (u.to_bits() >> 15) as i32 - ONE_Q16;
-            let target =
-                center.along(s, mul_q16(half[0], signed(u[0]))).along(t, mul_q16(half[1], signed(u[1])));
+            let target = center
+                .along(s, mul_q16(half[0], signed(u[0])))
+                .along(t, mul_q16(half[1], signed(u[1])));
             (target, normal, LIFT, rectangle.area())
         }
         Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_)) => return None,
-        Emitter::Triangle { corners: [a, b, c], normal, lift, area, chance } => {
+        Emitter::Triangle {
+            corners: [a, b, c],
+            normal,
+            lift,
+            area,
+            chance,
+        } => {
             let [b1, b2] = warp::sample_triangle(u);
             let (ab, ac) = (a.to(b).0, a.to(c).0);
             let mix = |i: usize| a.0[i] + mul_q16(ab[i], b1) + mul_q16(ac[i], b2);
@@ -61,7 +84,9 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
         Emitter::Shape(Geometry::Disk(disk)) => (disk.normal, disk.area()),
         Emitter::Shape(Geometry::Rectangle(rectangle)) => (rectangle.normal, rectangle.area()),
         Emitter::Shape(Geometry::Plane(Plane { .. }) | Geometry::Mesh(_)) => return Wide::ZERO,
-        Emitter::Triangle { normal, area, chance, .. } => (normal, area / chance),
+        Emitter::Triangle {
+            normal, area, chance, ..
+        } => (normal, area / chance),
     };
     let cos = -wi.dot(normal);
     if cos <= 0 {
@@ -106,7 +131,11 @@ fn cone(sphere: &Sphere, from: Point) -> Option<Cone> {
     let cos_max = isqrt(!sin2_max.to_fixed(32)) as i32;
     // 1 − √(1 − s) = s / (1 + √(1 − s))
     let versine = sin2_max / Wide::from_q16(ONE_Q16 + cos_max);
-    Some(Cone { axis, sin2_max, versine })
+    Some(Cone {
+        axis,
+        sin2_max,
+        versine,
+    })
 }
 
 /// Uniform in the cone, then to the point of the sphere that such a direction meets (pbrt, 4th ed., section 6.2.4), in
@@ -121,17 +150,25 @@ fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 
     let share_bits = (share.clamp(0, ONE_Q16 - 1) as u32) << 16;
     // Seen from the centre, the point lies α off the way back: cos α = ratio sin θ + cos θ √(1 − ratio²).
     let sin_max = cone.sin2_max.sqrt().to_fixed(16) as i32;
-    let cos_alpha =
-        mul_q16(share, sin_max) + mul_q16(ONE_Q16 - uq, isqrt(!share_bits) as i32);
+    let cos_alpha = mul_q16(share, sin_max) + mul_q16(ONE_Q16 - uq, isqrt(!share_bits) as i32);
     let cos_alpha = cos_alpha.clamp(0, ONE_Q16);
     let cos_bits = (cos_alpha.min(ONE_Q16 - 1) as u32) << 16;
     let sin_alpha = isqrt(!mul_hi(cos_bits, cos_bits)) as i32;
     let (sin_phi, cos_phi) = crate::num::sin_cos(crate::num::Turn::from_bits(u[1].to_bits()));
     let frame = Frame::about(-cone.axis);
-    let normal = frame.to_world(Dir([mul_q16(sin_alpha, cos_phi), mul_q16(sin_alpha, sin_phi), cos_alpha]));
+    let normal = frame.to_world(Dir([
+        mul_q16(sin_alpha, cos_phi),
+        mul_q16(sin_alpha, sin_phi),
+        cos_alpha,
+    ]));
     // Lifted, so that the shadow ray ends before the light itself.
     let target = sphere.center.along(normal, sphere.radius + sphere.lift());
     let (wi, norm) = from.to(target).normalize()?;
     let length = norm.length();
-    Some(LightSample { wi, distance: length - (length >> 12), radiance, pdf: cone.pdf() })
+    Some(LightSample {
+        wi,
+        distance: length - (length >> 12),
+        radiance,
+        pdf: cone.pdf(),
+    })
 }

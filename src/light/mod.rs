@@ -46,7 +46,12 @@ impl LightSample {
 
 /// A point light seen from `from`: I/d². `fraction_bits` as in [`crate::geom::Unit`].
 #[inline]
-pub fn sample_point(position: Point, intensity: Radiance, from: Point, fraction_bits: i32) -> Option<LightSample> {
+pub fn sample_point(
+    position: Point,
+    intensity: Radiance,
+    from: Point,
+    fraction_bits: i32,
+) -> Option<LightSample> {
     let (wi, norm) = from.to(position).normalize()?;
     let square = norm.square().shl(-2 * fraction_bits);
     Some(LightSample {
@@ -60,7 +65,12 @@ pub fn sample_point(position: Point, intensity: Radiance, from: Point, fraction_
 /// Parallel light.
 #[inline]
 pub fn sample_directional(direction: Dir, irradiance: Radiance) -> LightSample {
-    LightSample { wi: -direction, distance: FAR, radiance: irradiance, pdf: Wide::ZERO }
+    LightSample {
+        wi: -direction,
+        distance: FAR,
+        radiance: irradiance,
+        pdf: Wide::ZERO,
+    }
 }
 
 /// What an area light needs of its shape: closed forms know, a mesh has its triangle looked up.
@@ -68,7 +78,13 @@ pub fn sample_directional(direction: Dir, irradiance: Radiance) -> LightSample {
 pub enum Emitter<'a> {
     Shape(&'a Geometry),
     /// One triangle of a mesh, and the chance that just it is drawn.
-    Triangle { corners: [Point; 3], normal: Dir, lift: i32, area: Wide, chance: Wide },
+    Triangle {
+        corners: [Point; 3],
+        normal: Dir,
+        lift: i32,
+        area: Wide,
+        chance: Wide,
+    },
 }
 
 /// Two uniform numbers of one dimension: an index below `count`, and what is left as a new uniform number.

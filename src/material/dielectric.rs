@@ -19,12 +19,21 @@ impl Dielectric {
     pub fn new(eta: Metres) -> Dielectric {
         let eta = eta.to_bits().clamp(ONE_Q16 / 4, 4 * ONE_Q16);
         let inv_eta = recip(eta as u32).times(ONE_Q16, 16);
-        Dielectric { eta, inv_eta, reflectance: Albedo::WHITE, transmittance: Albedo::WHITE }
+        Dielectric {
+            eta,
+            inv_eta,
+            reflectance: Albedo::WHITE,
+            transmittance: Albedo::WHITE,
+        }
     }
 
     /// The same with coloured reflection and transmission.
     pub fn tinted(self, reflectance: Albedo, transmittance: Albedo) -> Dielectric {
-        Dielectric { reflectance, transmittance, ..self }
+        Dielectric {
+            reflectance,
+            transmittance,
+            ..self
+        }
     }
 
     /// The ratio of the refractive index inside to that outside.
@@ -41,8 +50,11 @@ impl Dielectric {
     pub(super) fn sample(&self, local: &Local, lobe: Uniform) -> Option<BsdfSample> {
         let cos = local.wo.dot(local.normal);
         // Seen from inside, the ratio is the other way round and the normal turned.
-        let (eta, inv_eta, normal) =
-            if cos >= 0 { (self.eta, self.inv_eta, local.normal) } else { (self.inv_eta, self.eta, -local.normal) };
+        let (eta, inv_eta, normal) = if cos >= 0 {
+            (self.eta, self.inv_eta, local.normal)
+        } else {
+            (self.inv_eta, self.eta, -local.normal)
+        };
         let cos_i = cos.abs().min(ONE_Q16);
         let (reflectance, cos_t) = fresnel_dielectric(cos_i, eta, inv_eta);
         if (lobe.to_bits() >> 16) < reflectance as u32 {

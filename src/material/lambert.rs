@@ -29,12 +29,7 @@ pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> O
 
 /// Cosine-distributed about the normal: the weight is the reflectance.
 #[inline]
-pub(super) fn sample(
-    albedo: Albedo,
-    two_sided: bool,
-    local: &Local,
-    u: [Uniform; 2],
-) -> Option<BsdfSample> {
+pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform; 2]) -> Option<BsdfSample> {
     let normal = facing(two_sided, local)?;
     let drawn = warp::sample_cosine_hemisphere(u);
     let wi = Frame::about(normal).to_world(drawn);

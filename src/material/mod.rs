@@ -10,7 +10,7 @@ use crate::color::{Albedo, Radiance};
 use crate::geom::Dir;
 use crate::num::{Uniform, Wide};
 
-pub use dielectric::{fresnel_dielectric, Dielectric};
+pub use dielectric::{Dielectric, fresnel_dielectric};
 
 /// The material of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,19 +57,28 @@ impl BsdfSample {
 impl Material {
     /// Two-sided diffuse.
     pub const fn lambert(albedo: Albedo) -> Material {
-        Material::Lambert { albedo, two_sided: true }
+        Material::Lambert {
+            albedo,
+            two_sided: true,
+        }
     }
 
     /// Two-sided mirror.
     pub const fn mirror(reflectance: Albedo) -> Material {
-        Material::Mirror { reflectance, two_sided: true }
+        Material::Mirror {
+            reflectance,
+            two_sided: true,
+        }
     }
 
     /// Whether every reflectance is at most 1.
     pub fn is_valid(&self) -> bool {
         match self {
             Material::Black => true,
-            Material::Lambert { albedo, .. } | Material::Mirror { reflectance: albedo, .. } => albedo.is_valid(),
+            Material::Lambert { albedo, .. }
+            | Material::Mirror {
+                reflectance: albedo, ..
+            } => albedo.is_valid(),
             Material::Dielectric(dielectric) => {
                 let (reflectance, transmittance) = dielectric.tints();
                 reflectance.is_valid() && transmittance.is_valid()
@@ -98,7 +107,10 @@ impl Material {
         match self {
             Material::Black => None,
             Material::Lambert { albedo, two_sided } => lambert::sample(*albedo, *two_sided, local, u),
-            Material::Mirror { reflectance, two_sided } => {
+            Material::Mirror {
+                reflectance,
+                two_sided,
+            } => {
                 if local.wo.dot(local.normal) <= 0 && !two_sided {
                     return None;
                 }

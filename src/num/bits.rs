@@ -19,5 +19,9 @@ pub const fn normalize_shift(v: [i32; 3], bits: u32) -> u32 {
 /// x / 2^`shift`, rounded to nearest (halves up); `shift` in 0 ..= 31.
 #[inline(always)]
 pub const fn round_shift(x: i32, shift: u32) -> i32 {
-    if shift == 0 { x } else { ((x >> (shift - 1)) + 1) >> 1 }
+    if shift == 0 {
+        x
+    } else {
+        ((x >> (shift - 1)) + 1) >> 1
+    }
 }

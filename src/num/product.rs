@@ -52,7 +52,9 @@ pub mod narrow {
     pub const fn mul_shift(a: i32, b: i32, shift: u32) -> i32 {
         // A signed high word is the unsigned one less the other factor for each negative factor.
         let (low, high) = wide(a as u32, b as u32);
-        let high = (high as i32).wrapping_sub((a >> 31) & b).wrapping_sub((b >> 31) & a);
+        let high = (high as i32)
+            .wrapping_sub((a >> 31) & b)
+            .wrapping_sub((b >> 31) & a);
         if shift == 0 {
             low as i32
         } else if shift < 32 {

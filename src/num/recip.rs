@@ -46,5 +46,8 @@ pub fn recip(x: u32) -> Recip {
     let big = (r as u32) << 15;
     let e = (1i32 << 30) - mul_hi(n, big) as i32;
     let big = big.wrapping_add((((r >> 1) * e) >> 14) as u32);
-    Recip { mantissa: if big >= 1 << 31 { u32::MAX } else { big << 1 }, shift: 63 - zeros }
+    Recip {
+        mantissa: if big >= 1 << 31 { u32::MAX } else { big << 1 },
+        shift: 63 - zeros,
+    }
 }

@@ -11,13 +11,28 @@ pub struct Wide {
 }
 
 impl Wide {
-    pub const ZERO: Wide = Wide { mantissa: 0, exponent: 0 };
-    pub const ONE: Wide = Wide { mantissa: 1 << 15, exponent: 0 };
+    pub const ZERO: Wide = Wide {
+        mantissa: 0,
+        exponent: 0,
+    };
+    pub const ONE: Wide = Wide {
+        mantissa: 1 << 15,
+        exponent: 0,
+    };
     /// π.
-    pub const PI: Wide = Wide { mantissa: 51472, exponent: 1 };
+    pub const PI: Wide = Wide {
+        mantissa: 51472,
+        exponent: 1,
+    };
     /// 1/π.
-    pub const INV_PI: Wide = Wide { mantissa: 41722, exponent: -2 };
-    const MAX: Wide = Wide { mantissa: u16::MAX, exponent: i16::MAX };
+    pub const INV_PI: Wide = Wide {
+        mantissa: 41722,
+        exponent: -2,
+    };
+    const MAX: Wide = Wide {
+        mantissa: u16::MAX,
+        exponent: i16::MAX,
+    };
 
     /// `x · 2^exponent`, rounded to nearest.
     #[inline]
@@ -65,12 +80,18 @@ impl Wide {
         } else if exponent < i16::MIN as i32 {
             Wide::ZERO
         } else {
-            Wide { mantissa: mantissa as u16, exponent: exponent as i16 }
+            Wide {
+                mantissa: mantissa as u16,
+                exponent: exponent as i16,
+            }
         }
     }
 
     #[inline]
-    #[allow(clippy::should_implement_trait, reason = "const, and the operators below call it")]
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "const, and the operators below call it"
+    )]
     pub const fn mul(self, other: Wide) -> Wide {
         if self.mantissa == 0 || other.mantissa == 0 {
             return Wide::ZERO;
@@ -79,16 +100,26 @@ impl Wide {
         let product = self.mantissa as u32 * other.mantissa as u32;
         let exponent = self.exponent as i32 + other.exponent as i32;
         if product >= 0x7fff_c000 {
-            Wide::pack((product + if product < 0x8000_0000 { 0x4000 } else { 0x8000 }) >> 16, exponent + 1)
+            Wide::pack(
+                (product + if product < 0x8000_0000 { 0x4000 } else { 0x8000 }) >> 16,
+                exponent + 1,
+            )
         } else {
             Wide::pack((product + 0x4000) >> 15, exponent)
         }
     }
 
     #[inline]
-    #[allow(clippy::should_implement_trait, reason = "const, and the operators below call it")]
+    #[allow(
+        clippy::should_implement_trait,
+        reason = "const, and the operators below call it"
+    )]
     pub const fn add(self, other: Wide) -> Wide {
-        let (big, small) = if self.is_at_least(other) { (self, other) } else { (other, self) };
+        let (big, small) = if self.is_at_least(other) {
+            (self, other)
+        } else {
+            (other, self)
+        };
         let gap = big.exponent as i32 - small.exponent as i32;
         if small.mantissa == 0 || gap > 16 {
             return big;
@@ -161,14 +192,17 @@ impl Wide {
         if self.mantissa == 0 || other.mantissa == 0 {
             return other.mantissa == 0;
         }
-        self.exponent > other.exponent
-            || (self.exponent == other.exponent && self.mantissa >= other.mantissa)
+        self.exponent > other.exponent || (self.exponent == other.exponent && self.mantissa >= other.mantissa)
     }
 
     /// `self · 2^n`, exactly.
     #[inline]
     pub const fn shl(self, n: i32) -> Wide {
-        if self.mantissa == 0 { self } else { Wide::pack(self.mantissa as u32, self.exponent as i32 + n) }
+        if self.mantissa == 0 {
+            self
+        } else {
+            Wide::pack(self.mantissa as u32, self.exponent as i32 + n)
+        }
     }
 
     /// The value with `fraction` bits below the point, rounded to nearest, at most `u32::MAX`.

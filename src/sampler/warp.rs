@@ -1,7 +1,7 @@
 //! From uniform numbers to distributions: every warp is a pair, `sample` and `pdf`.
 
-use crate::num::Uniform;
 use crate::geom::Dir;
+use crate::num::Uniform;
 use crate::num::{ONE_Q16, Turn, Wide, isqrt, mul_q16, sin_cos};
 
 /// A direction about +z with density cos θ / π per solid angle (Malley's method on a polar disk).

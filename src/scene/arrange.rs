@@ -15,7 +15,10 @@ pub struct Boxed {
 }
 
 impl Boxed {
-    pub const EMPTY: Boxed = Boxed { bounds: Bounds::EMPTY, shape: 0 };
+    pub const EMPTY: Boxed = Boxed {
+        bounds: Bounds::EMPTY,
+        shape: 0,
+    };
 }
 
 impl Item for Boxed {
@@ -132,7 +135,9 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh]) -> Option<(Point, Poin
         Geometry::Sphere(Sphere { center, radius }) => Some(around(center, [radius; 3])),
         Geometry::Plane(_) => None,
         Geometry::Disk(Disk { center, radius, .. }) => Some(around(center, [radius; 3])),
-        Geometry::Rectangle(Rectangle { center, u, v, half, .. }) => {
+        Geometry::Rectangle(Rectangle {
+            center, u, v, half, ..
+        }) => {
             // Each product is rounded down, by less than one unit.
             let side = |i: usize| mul_q16(half[0], u.0[i].abs()) + mul_q16(half[1], v.0[i].abs()) + 2;
             Some(around(center, [side(0), side(1), side(2)]))
@@ -140,8 +145,12 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh]) -> Option<(Point, Poin
         Geometry::Mesh(index) => {
             let mesh = meshes.get(index as usize)?;
             let bounds = mesh.triangles.bounds();
-            (bounds.low[0] <= bounds.high[0])
-                .then(|| (mesh.triangles.grid.to_scene(bounds.low), mesh.triangles.grid.to_scene(bounds.high)))
+            (bounds.low[0] <= bounds.high[0]).then(|| {
+                (
+                    mesh.triangles.grid.to_scene(bounds.low),
+                    mesh.triangles.grid.to_scene(bounds.high),
+                )
+            })
         }
     }
 }

@@ -22,7 +22,9 @@ pub struct SceneBuilder<const SHAPES: usize, const MATERIALS: usize, const LIGHT
     environment: Option<Light>,
 }
 
-impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuilder<SHAPES, MATERIALS, LIGHTS> {
+impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
+    SceneBuilder<SHAPES, MATERIALS, LIGHTS>
+{
     /// An empty scene in the default unit.
     pub const fn new() -> Self {
         Self::with_unit(Unit::DEFAULT)
@@ -30,7 +32,13 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuil
 
     /// An empty scene in a unit of one's own.
     pub const fn with_unit(unit: Unit) -> Self {
-        SceneBuilder { unit, shapes: Vec::new(), materials: Vec::new(), lights: Vec::new(), environment: None }
+        SceneBuilder {
+            unit,
+            shapes: Vec::new(),
+            materials: Vec::new(),
+            lights: Vec::new(),
+            environment: None,
+        }
     }
 
     pub const fn unit(&self) -> Unit {
@@ -40,7 +48,10 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuil
     /// A material for shapes to name.
     pub fn material(&mut self, material: Material) -> Result<MaterialId, SceneError> {
         let id = self.materials.len();
-        let full = |_| SceneError::Full { what: "materials", needed: MATERIALS + 1 };
+        let full = |_| SceneError::Full {
+            what: "materials",
+            needed: MATERIALS + 1,
+        };
         self.materials.push(material).map_err(full)?;
         Ok(MaterialId(id as u16))
     }
@@ -66,17 +77,35 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuil
     pub fn light(&mut self, light: Light) -> Result<(), SceneError> {
         if matches!(light, Light::Environment { .. }) {
             if self.environment.replace(light).is_some() {
-                return Err(SceneError::Environment { light: self.lights.len() as u16 });
+                return Err(SceneError::Environment {
+                    light: self.lights.len() as u16,
+                });
             }
             return Ok(());
         }
-        self.lights.push(light).map_err(|_| SceneError::Full { what: "lights", needed: LIGHTS + 1 })
+        self.lights.push(light).map_err(|_| SceneError::Full {
+            what: "lights",
+            needed: LIGHTS + 1,
+        })
     }
 
-    fn push(&mut self, geometry: Geometry, material: MaterialId, light: Option<u16>) -> Result<(), SceneError> {
+    fn push(
+        &mut self,
+        geometry: Geometry,
+        material: MaterialId,
+        light: Option<u16>,
+    ) -> Result<(), SceneError> {
         let id = self.shapes.len() as u16;
-        let shape = Shape { geometry, material: material.0, light, id };
-        self.shapes.push(shape).map_err(|_| SceneError::Full { what: "shapes", needed: SHAPES + 1 })
+        let shape = Shape {
+            geometry,
+            material: material.0,
+            light,
+            id,
+        };
+        self.shapes.push(shape).map_err(|_| SceneError::Full {
+            what: "shapes",
+            needed: SHAPES + 1,
+        })
     }
 
     /// The border: builds the tree over the shapes in `nodes`, checks everything, and lends the scene out.
@@ -87,9 +116,16 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize> SceneBuil
     }
 
     /// The same with meshes, which shapes name as [`Geometry::Mesh`].
-    pub fn build_with<'a>(&'a mut self, meshes: &'a [Mesh<'a>], nodes: &'a mut [Node]) -> Result<Scene<'a>, SceneError> {
+    pub fn build_with<'a>(
+        &'a mut self,
+        meshes: &'a [Mesh<'a>],
+        nodes: &'a mut [Node],
+    ) -> Result<Scene<'a>, SceneError> {
         if let Some(environment) = self.environment.take() {
-            let full = |_| SceneError::Full { what: "lights", needed: LIGHTS + 1 };
+            let full = |_| SceneError::Full {
+                what: "lights",
+                needed: LIGHTS + 1,
+            };
             self.lights.push(environment).map_err(full)?;
         }
         let mut boxes = [Boxed::EMPTY; SHAPES];

@@ -51,14 +51,20 @@ impl core::fmt::Display for SceneError {
             Self::NoSuchMaterial { shape, material } => {
                 write!(f, "shape {shape}: there is no material {material}")
             }
-            Self::NoSuchLight { shape, light } => write!(f, "shape {shape}: light {light} is not its area light"),
-            Self::TooFar { shape } => write!(f, "shape {shape}: reaches beyond 2^22 units; take a coarser unit"),
+            Self::NoSuchLight { shape, light } => {
+                write!(f, "shape {shape}: light {light} is not its area light")
+            }
+            Self::TooFar { shape } => {
+                write!(f, "shape {shape}: reaches beyond 2^22 units; take a coarser unit")
+            }
             Self::Degenerate { shape } => write!(f, "shape {shape}: has no extent"),
             Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
             Self::Albedo { material } => write!(f, "material {material}: a reflectance is above 1"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
-            Self::Environment { light } => write!(f, "light {light}: one environment, after all other lights"),
+            Self::Environment { light } => {
+                write!(f, "light {light}: one environment, after all other lights")
+            }
             Self::NoSuchMesh { shape, mesh } => write!(f, "shape {shape}: there is no mesh {mesh}"),
             Self::Mesh { mesh, error } => write!(f, "mesh {mesh}: {error}"),
             Self::Tree(error) => write!(f, "the tree over the shapes: {error}"),
@@ -92,7 +98,9 @@ impl<'a> Scene<'a> {
     pub fn new(parts: Parts<'a>) -> Result<Scene<'a>, SceneError> {
         for (index, material) in parts.materials.iter().enumerate() {
             if !material.is_valid() {
-                return Err(SceneError::Albedo { material: index as u16 });
+                return Err(SceneError::Albedo {
+                    material: index as u16,
+                });
             }
         }
         for (index, shape) in parts.shapes.iter().enumerate() {
@@ -103,16 +111,25 @@ impl<'a> Scene<'a> {
             if let Geometry::Mesh(mesh) = shape.geometry
                 && mesh as usize >= parts.meshes.len()
             {
-                return Err(SceneError::NoSuchMesh { shape: shape.id, mesh });
+                return Err(SceneError::NoSuchMesh {
+                    shape: shape.id,
+                    mesh,
+                });
             }
             if shape.material as usize >= parts.materials.len() {
-                return Err(SceneError::NoSuchMaterial { shape: shape.id, material: shape.material });
+                return Err(SceneError::NoSuchMaterial {
+                    shape: shape.id,
+                    material: shape.material,
+                });
             }
             if let Some(light) = shape.light {
                 let named = matches!(parts.lights.get(light as usize),
                     Some(Light::Area { shape, .. }) if *shape as usize == index);
                 if !named {
-                    return Err(SceneError::NoSuchLight { shape: shape.id, light });
+                    return Err(SceneError::NoSuchLight {
+                        shape: shape.id,
+                        light,
+                    });
                 }
                 if matches!(shape.geometry, Geometry::Plane(_)) {
                     return Err(SceneError::PlaneLight { shape: shape.id });
@@ -120,7 +137,10 @@ impl<'a> Scene<'a> {
             }
         }
         for (index, mesh) in parts.meshes.iter().enumerate() {
-            let wrong = |error| SceneError::Mesh { mesh: index as u16, error };
+            let wrong = |error| SceneError::Mesh {
+                mesh: index as u16,
+                error,
+            };
             check_mesh(&mesh.triangles, mesh.nodes).map_err(wrong)?;
         }
         let finite = parts.shapes.get(..parts.bounded as usize).unwrap_or(&[]);
@@ -147,7 +167,11 @@ impl<'a> Scene<'a> {
                 }
                 Light::Directional { irradiance, .. } => !irradiance.is_black(),
                 Light::Area { shape, radiance } => {
-                    if parts.shapes.get(*shape as usize).is_none_or(|s| s.light != Some(index)) {
+                    if parts
+                        .shapes
+                        .get(*shape as usize)
+                        .is_none_or(|s| s.light != Some(index))
+                    {
                         return Err(SceneError::LightShape { light: index });
                     }
                     !radiance.is_black()
@@ -162,14 +186,20 @@ impl<'a> Scene<'a> {
         if !emits {
             return Err(SceneError::NoLight);
         }
-        Ok(Scene { parts, light_count, environment: environment.unwrap_or(Radiance::BLACK) })
+        Ok(Scene {
+            parts,
+            light_count,
+            environment: environment.unwrap_or(Radiance::BLACK),
+        })
     }
 }
 
 fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
     let unit = |d: Dir| (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12;
     let far = |p: Point, reach: [i32; 3]| {
-        p.0.iter().zip(reach).any(|(c, r)| c.unsigned_abs() as u64 + r.unsigned_abs() as u64 > REACH as u64)
+        p.0.iter()
+            .zip(reach)
+            .any(|(c, r)| c.unsigned_abs() as u64 + r.unsigned_abs() as u64 > REACH as u64)
     };
     let size = |r: i32| (1..=REACH).contains(&r);
     let (fits, extent) = match *geometry {

@@ -5,8 +5,8 @@ mod builder;
 mod check;
 mod query;
 
-use crate::color::Radiance;
 use crate::bvh::Node;
+use crate::color::Radiance;
 use crate::geom::{Dir, Point, Ray, Unit};
 use crate::light::{self, Emitter, Light, LightSample};
 use crate::material::{Local, Material};
@@ -93,7 +93,10 @@ pub struct Vertex<'a> {
 impl Vertex<'_> {
     #[inline]
     pub fn local(&self) -> Local {
-        Local { normal: self.surface.normal, wo: self.wo }
+        Local {
+            normal: self.surface.normal,
+            wo: self.wo,
+        }
     }
 }
 
@@ -128,10 +131,16 @@ impl<'a> Scene<'a> {
                 Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit),
                 geometry => geometry.surface(near),
             })
-            .unwrap_or(Surface { point: near, normal: -ray.dir, lift: 0 });
+            .unwrap_or(Surface {
+                point: near,
+                normal: -ray.dir,
+                lift: 0,
+            });
         let wo = -ray.dir;
         let material = shape.and_then(|shape| self.parts.materials.get(shape.material as usize));
-        let light = shape.and_then(|shape| shape.light).filter(|_| wo.dot_q24(surface.normal) > 0);
+        let light = shape
+            .and_then(|shape| shape.light)
+            .filter(|_| wo.dot_q24(surface.normal) > 0);
         let emission = match light.and_then(|light| self.parts.lights.get(light as usize)) {
             Some(Light::Area { radiance, .. }) => *radiance,
             _ => Radiance::BLACK,
@@ -153,7 +162,10 @@ impl<'a> Scene<'a> {
             Light::Point { position, intensity } => {
                 light::sample_point(position, intensity, from, self.parts.unit.fraction_bits())
             }
-            Light::Directional { direction, irradiance } => Some(light::sample_directional(direction, irradiance)),
+            Light::Directional {
+                direction,
+                irradiance,
+            } => Some(light::sample_directional(direction, irradiance)),
             Light::Area { shape, radiance } => {
                 let geometry = &self.parts.shapes.get(shape as usize)?.geometry;
                 let Geometry::Mesh(mesh) = *geometry else {
@@ -198,7 +210,12 @@ impl<'a> Scene<'a> {
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         let [b1, b2] = hit.barycentric;
         Some(Surface {
-            point: mesh.point(&MeshHit { t: hit.t, triangle: hit.triangle, b1, b2 })?,
+            point: mesh.point(&MeshHit {
+                t: hit.t,
+                triangle: hit.triangle,
+                b1,
+                b2,
+            })?,
             normal: mesh.normal(hit.triangle)?,
             lift: mesh.offset(),
         })

@@ -10,7 +10,14 @@ impl Scene<'_> {
     /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let slopes = Slopes::new(ray.dir);
-        let mut nearest = Nearest { scene: self, ray, slopes: &slopes, t_max: FAR + 1, hit: None, limit: i32::MAX };
+        let mut nearest = Nearest {
+            scene: self,
+            ray,
+            slopes: &slopes,
+            t_max: FAR + 1,
+            hit: None,
+            limit: i32::MAX,
+        };
         for index in self.bounded()..self.parts.shapes.len() {
             nearest.test(index);
         }
@@ -24,9 +31,19 @@ impl Scene<'_> {
     /// The same answer from all shapes and triangles in turn.
     pub fn closest_linear(&self, ray: &Ray) -> Option<Hit> {
         let slopes = Slopes::new(ray.dir);
-        let mut nearest = Nearest { scene: self, ray, slopes: &slopes, t_max: FAR + 1, hit: None, limit: i32::MAX };
+        let mut nearest = Nearest {
+            scene: self,
+            ray,
+            slopes: &slopes,
+            t_max: FAR + 1,
+            hit: None,
+            limit: i32::MAX,
+        };
         for index in 0..self.parts.shapes.len() {
-            nearest.accept(index, self.intersect_linear(index, ray, &slopes, nearest.t_max + 1));
+            nearest.accept(
+                index,
+                self.intersect_linear(index, ray, &slopes, nearest.t_max + 1),
+            );
         }
         nearest.hit
     }
@@ -34,7 +51,10 @@ impl Scene<'_> {
     /// Whether anything stands nearer than `distance` along the ray.
     pub fn occluded(&self, ray: &Ray, distance: i32) -> bool {
         if (self.bounded()..self.parts.shapes.len()).any(|index| {
-            self.parts.shapes.get(index).is_some_and(|shape| shape.geometry.intersect(ray, distance).is_some())
+            self.parts
+                .shapes
+                .get(index)
+                .is_some_and(|shape| shape.geometry.intersect(ray, distance).is_some())
         }) {
             return true;
         }
@@ -43,7 +63,14 @@ impl Scene<'_> {
             return false;
         };
         let limit = grid_ray.limit(distance);
-        let mut any = Any { scene: self, ray, slopes: &slopes, distance, limit, found: false };
+        let mut any = Any {
+            scene: self,
+            ray,
+            slopes: &slopes,
+            distance,
+            limit,
+            found: false,
+        };
         traverse(self.parts.nodes, &grid_ray, &mut any);
         any.found
     }
@@ -67,15 +94,30 @@ impl Scene<'_> {
             });
         }
         let t = shape.geometry.intersect(ray, t_max)?;
-        Some(Hit { t, shape: index as u16, triangle: 0, barycentric: [0; 2] })
+        Some(Hit {
+            t,
+            shape: index as u16,
+            triangle: 0,
+            barycentric: [0; 2],
+        })
     }
 
     fn intersect_linear(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
         let Geometry::Mesh(mesh) = self.parts.shapes.get(index)?.geometry else {
             return self.intersect(index, ray, slopes, t_max);
         };
-        let hit = bvh::closest_linear(&self.parts.meshes.get(mesh as usize)?.triangles, ray, slopes, t_max)?;
-        Some(Hit { t: hit.t, shape: index as u16, triangle: hit.triangle, barycentric: [hit.b1, hit.b2] })
+        let hit = bvh::closest_linear(
+            &self.parts.meshes.get(mesh as usize)?.triangles,
+            ray,
+            slopes,
+            t_max,
+        )?;
+        Some(Hit {
+            t: hit.t,
+            shape: index as u16,
+            triangle: hit.triangle,
+            barycentric: [hit.b1, hit.b2],
+        })
     }
 }
 
@@ -95,7 +137,10 @@ impl Nearest<'_> {
     #[inline]
     fn test(&mut self, index: usize) -> bool {
         // One unit more, so that an equal distance is seen and decided by place.
-        self.accept(index, self.scene.intersect(index, self.ray, self.slopes, self.t_max + 1))
+        self.accept(
+            index,
+            self.scene.intersect(index, self.ray, self.slopes, self.t_max + 1),
+        )
     }
 
     #[inline]
@@ -147,7 +192,9 @@ impl Visitor for Any<'_> {
     fn visit<const K: usize>(&mut self, _: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
         let parts = &self.scene.parts;
         for index in first..first + count {
-            let Some(shape) = parts.shapes.get(index as usize) else { continue };
+            let Some(shape) = parts.shapes.get(index as usize) else {
+                continue;
+            };
             self.found = match shape.geometry {
                 Geometry::Mesh(mesh) => parts.meshes.get(mesh as usize).is_some_and(|mesh| {
                     bvh::occluded(&mesh.triangles, mesh.nodes, self.ray, self.slopes, self.distance)

@@ -24,7 +24,10 @@ impl Grid {
     const MAX_ORIGIN: u32 = 1 << 25;
 
     /// The cube from the scene frame's origin, steps of one unit.
-    pub const UNIT: Grid = Grid { origin: Point([0; 3]), shift: 0 };
+    pub const UNIT: Grid = Grid {
+        origin: Point([0; 3]),
+        shift: 0,
+    };
 
     /// `None` if `shift` is above [`Grid::MAX_SHIFT`] or the origin beyond ±2^25 units.
     pub const fn new(origin: Point, shift: u8) -> Option<Grid> {
@@ -32,15 +35,24 @@ impl Grid {
         let near = x.unsigned_abs() <= Grid::MAX_ORIGIN
             && y.unsigned_abs() <= Grid::MAX_ORIGIN
             && z.unsigned_abs() <= Grid::MAX_ORIGIN;
-        if near && shift <= Grid::MAX_SHIFT { Some(Grid { origin, shift }) } else { None }
+        if near && shift <= Grid::MAX_SHIFT {
+            Some(Grid { origin, shift })
+        } else {
+            None
+        }
     }
 
     /// The finest grid that holds the box from `low` to `high` with `margin` steps to spare on each side.
     pub fn around(low: Point, high: Point, margin: u16) -> Option<Grid> {
         (0..=Grid::MAX_SHIFT).find_map(|shift| {
-            let grid = Grid::new(Point(low.0.map(|c| c.saturating_sub((margin as i32) << shift))), shift)?;
+            let grid = Grid::new(
+                Point(low.0.map(|c| c.saturating_sub((margin as i32) << shift))),
+                shift,
+            )?;
             let last = grid.to_scene([u16::MAX - margin; 3]);
-            (0..3).all(|a| high.0[a] <= last.0[a] && low.0[a] <= high.0[a]).then_some(grid)
+            (0..3)
+                .all(|a| high.0[a] <= last.0[a] && low.0[a] <= high.0[a])
+                .then_some(grid)
         })
     }
 
@@ -59,7 +71,11 @@ impl Grid {
     #[inline]
     pub const fn to_scene(&self, g: [u16; 3]) -> Point {
         let (o, s) = (self.origin.0, self.shift);
-        Point([o[0] + ((g[0] as i32) << s), o[1] + ((g[1] as i32) << s), o[2] + ((g[2] as i32) << s)])
+        Point([
+            o[0] + ((g[0] as i32) << s),
+            o[1] + ((g[1] as i32) << s),
+            o[2] + ((g[2] as i32) << s),
+        ])
     }
 
     /// The smallest box of steps around a box of the scene; what lies outside the cube is cut off.
@@ -84,12 +100,17 @@ pub struct Bounds {
 
 impl Bounds {
     /// Around nothing: the identity of [`Bounds::union`].
-    pub const EMPTY: Bounds = Bounds { low: [u16::MAX; 3], high: [0; 3] };
+    pub const EMPTY: Bounds = Bounds {
+        low: [u16::MAX; 3],
+        high: [0; 3],
+    };
 
     /// Around some points.
     #[inline]
     pub fn of(points: &[[u16; 3]]) -> Bounds {
-        points.iter().fold(Bounds::EMPTY, |b, &p| b.union(Bounds { low: p, high: p }))
+        points
+            .iter()
+            .fold(Bounds::EMPTY, |b, &p| b.union(Bounds { low: p, high: p }))
     }
 
     #[inline]
@@ -138,7 +159,11 @@ impl Slopes {
     #[inline]
     pub fn new(dir: Dir) -> Slopes {
         let size = dir.0.map(i32::unsigned_abs);
-        let axis = if size[0] >= size[1] && size[0] >= size[2] { 0 } else { 1 + (size[2] > size[1]) as u8 };
+        let axis = if size[0] >= size[1] && size[0] >= size[2] {
+            0
+        } else {
+            1 + (size[2] > size[1]) as u8
+        };
         let [dx, dy, dk] = rotate(axis, dir.0);
         let cosine = dk.unsigned_abs();
         // 2^16/|d_k| = mantissa · 2^(16 − shift), and shift is 47 below one, 48 from one on.
@@ -147,8 +172,16 @@ impl Slopes {
         let inverse = ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32;
         let signed = if dk < 0 { -inverse } else { inverse };
         let fine = [mul_q16(signed, dx), mul_q16(signed, dy)];
-        let slopes = fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
-        Slopes { axis, negative: dk < 0, slopes, fine, cosine, inverse }
+        let slopes =
+            fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
+        Slopes {
+            axis,
+            negative: dk < 0,
+            slopes,
+            fine,
+            cosine,
+            inverse,
+        }
     }
 }
 
@@ -195,18 +228,30 @@ impl GridRay {
         let ahead = (plane << shift).wrapping_sub(z);
         // Inside, |ahead| ≤ 2^7 and the short slope is enough: the product is under 2^20.
         let across = |from: i32, slope: i32, fine: i32| {
-            let aside = if inside { (ahead * slope) >> SLOPE_BITS } else { mul_shift(ahead, fine, 30) };
+            let aside = if inside {
+                (ahead * slope) >> SLOPE_BITS
+            } else {
+                mul_shift(ahead, fine, 30)
+            };
             // Both terms are under 2^30 + 2^26. A sum that wraps comes out beyond ±2^31 ∓ 2^27, which is 2^22 steps
             // or more, and is refused as it should be.
             from.wrapping_add(aside).wrapping_add(half) >> shift
         };
-        let origin = [across(x, slopes.slopes[0], slopes.fine[0]), across(y, slopes.slopes[1], slopes.fine[1]), plane];
+        let origin = [
+            across(x, slopes.slopes[0], slopes.fine[0]),
+            across(y, slopes.slopes[1], slopes.fine[1]),
+            plane,
+        ];
         let beside = |c: i32| c.wrapping_add(65536) as u32 >= 3 * 65536;
         if beside(origin[0]) || beside(origin[1]) {
             return None;
         }
         // √3 (2^30 + 2^26) < 2^31.
-        let ahead = if slopes.negative { ahead.wrapping_neg() } else { ahead };
+        let ahead = if slopes.negative {
+            ahead.wrapping_neg()
+        } else {
+            ahead
+        };
         Some(GridRay {
             origin,
             slopes: slopes.slopes,
@@ -267,9 +312,15 @@ mod tests {
     fn the_dominant_axis_is_the_first_of_equals() {
         let diagonal = Dir::new([1, -1, 1]).unwrap();
         let slopes = Slopes::new(diagonal);
-        assert_eq!((slopes.axis, slopes.negative, slopes.slopes), (0, false, [-8192, 8192]));
+        assert_eq!(
+            (slopes.axis, slopes.negative, slopes.slopes),
+            (0, false, [-8192, 8192])
+        );
         let slopes = Slopes::new(Dir::new([0, -3, 3]).unwrap());
-        assert_eq!((slopes.axis, slopes.negative, slopes.slopes), (1, true, [-8192, 0]));
+        assert_eq!(
+            (slopes.axis, slopes.negative, slopes.slopes),
+            (1, true, [-8192, 0])
+        );
     }
 
     #[test]
@@ -291,16 +342,23 @@ mod tests {
                 s = s.wrapping_mul(747796405).wrapping_add(2891336453);
                 (s ^ (s >> 15)) as i32
             };
-            let Some(dir) = Dir::new([r(), r(), r()]) else { continue };
+            let Some(dir) = Dir::new([r(), r(), r()]) else {
+                continue;
+            };
             let far = (r() & 15) as u32;
             let origin = Point([r() >> (far + 5), r() >> (far + 5), r() >> (far + 5)]);
             let grid = Grid::new(Point([0; 3]), (r() & 7) as u8).unwrap();
-            let Some(ray) = GridRay::enter(&grid, &Ray { origin, dir }, &Slopes::new(dir)) else { continue };
+            let Some(ray) = GridRay::enter(&grid, &Ray { origin, dir }, &Slopes::new(dir)) else {
+                continue;
+            };
             let depth = r() & 0xfffff;
             let t = ray.distance(depth);
             let limit = ray.limit(t + 1);
             assert!(depth >> DEPTH_BITS <= limit, "{depth} {t} {limit} {ray:?}");
-            assert!(limit <= (depth >> DEPTH_BITS) + 14 || ray.distance(0) == 1, "{depth} {t} {limit} {ray:?}");
+            assert!(
+                limit <= (depth >> DEPTH_BITS) + 14 || ray.distance(0) == 1,
+                "{depth} {t} {limit} {ray:?}"
+            );
         }
     }
 }

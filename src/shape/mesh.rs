@@ -47,10 +47,18 @@ impl<'a> TriangleMesh<'a> {
     /// Whether all vertices keep the margin and all indices are in range.
     pub fn check(&self) -> Result<(), MeshError> {
         let inner = Grid::MARGIN..=u16::MAX - Grid::MARGIN;
-        if let Some(i) = self.vertices.iter().position(|v| !v.iter().all(|c| inner.contains(c))) {
+        if let Some(i) = self
+            .vertices
+            .iter()
+            .position(|v| !v.iter().all(|c| inner.contains(c)))
+        {
             return Err(MeshError::Margin { vertex: i as u32 });
         }
-        match self.triangles.iter().position(|t| !t.iter().all(|&i| (i as usize) < self.vertices.len())) {
+        match self
+            .triangles
+            .iter()
+            .position(|t| !t.iter().all(|&i| (i as usize) < self.vertices.len()))
+        {
             Some(i) => Err(MeshError::Index { triangle: i as u32 }),
             None => Ok(()),
         }
@@ -122,7 +130,11 @@ impl<'a> TriangleMesh<'a> {
         let [a, b, c] = self.corners(triangle)?;
         let edge = |to: [u16; 3]| [0, 1, 2].map(|i| to[i] as i32 - a[i] as i32);
         let ([ex, ey, ez], [fx, fy, fz]) = (edge(b), edge(c));
-        let parts = [Edge::new(ey, fz, ez, fy), Edge::new(ez, fx, ex, fz), Edge::new(ex, fy, ey, fx)];
+        let parts = [
+            Edge::new(ey, fz, ez, fy),
+            Edge::new(ez, fx, ex, fz),
+            Edge::new(ex, fy, ey, fx),
+        ];
         let (cross, shift) = Edge::shorten(parts);
         Some((Offset(cross), shift))
     }
@@ -131,7 +143,11 @@ impl<'a> TriangleMesh<'a> {
 /// The vertices a triangle names.
 #[inline(always)]
 pub(crate) fn corners(vertices: &[[u16; 3]], [a, b, c]: [u16; 3]) -> Option<[[u16; 3]; 3]> {
-    Some([*vertices.get(a as usize)?, *vertices.get(b as usize)?, *vertices.get(c as usize)?])
+    Some([
+        *vertices.get(a as usize)?,
+        *vertices.get(b as usize)?,
+        *vertices.get(c as usize)?,
+    ])
 }
 
 #[cfg(test)]
@@ -153,7 +169,12 @@ mod tests {
         assert!(MESH.normal(1).unwrap().0[2] <= -65535);
         let area = MESH.double_area(0).to_fixed(-10) as f64 * 1024.0;
         assert!((area / (16.0 * 50000.0 * 40000.0) - 1.0).abs() < 1e-4);
-        let middle = MeshHit { t: 1, triangle: 0, b1: 1 << 15, b2: 1 << 14 };
+        let middle = MeshHit {
+            t: 1,
+            triangle: 0,
+            b1: 1 << 15,
+            b2: 1 << 14,
+        };
         assert_eq!(MESH.point(&middle), Some(Point([140 + 100000, 240 + 40000, 340])));
     }
 
@@ -161,7 +182,10 @@ mod tests {
     fn a_triangle_without_area() {
         assert_eq!(MESH.normal(2), None);
         assert!(MESH.double_area(2).is_zero());
-        let wrong = TriangleMesh { triangles: &[[0, 1, 4]], ..MESH };
+        let wrong = TriangleMesh {
+            triangles: &[[0, 1, 4]],
+            ..MESH
+        };
         assert_eq!(wrong.check(), Err(MeshError::Index { triangle: 0 }));
         assert_eq!(wrong.normal(0), None);
     }

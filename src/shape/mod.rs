@@ -11,8 +11,8 @@ pub(crate) mod triangle;
 
 use crate::geom::{Dir, Point, Ray};
 
-pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
 pub use grid::{Bounds, Grid, GridRay, Slopes};
+pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
@@ -74,7 +74,9 @@ impl Geometry {
                 (point, normal, sphere.lift())
             }
             Geometry::Plane(Plane { point, normal }) => (onto_plane(*point, *normal, near), *normal, LIFT),
-            Geometry::Disk(Disk { center, normal, .. }) => (onto_plane(*center, *normal, near), *normal, LIFT),
+            Geometry::Disk(Disk { center, normal, .. }) => {
+                (onto_plane(*center, *normal, near), *normal, LIFT)
+            }
             Geometry::Rectangle(Rectangle { center, normal, .. }) => {
                 (onto_plane(*center, *normal, near), *normal, LIFT)
             }
@@ -98,7 +100,11 @@ impl Surface {
     /// The origin of a ray that leaves towards `wi`: lifted to the side `wi` points to.
     #[inline]
     pub fn leave(&self, wi: Dir) -> Point {
-        let lift = if wi.dot_q24(self.normal) >= 0 { self.lift } else { -self.lift };
+        let lift = if wi.dot_q24(self.normal) >= 0 {
+            self.lift
+        } else {
+            -self.lift
+        };
         self.point.along(self.normal, lift)
     }
 }

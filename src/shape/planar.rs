@@ -51,7 +51,11 @@ impl Plane {
 
 impl Disk {
     pub const fn new(center: Point, normal: Dir, radius: i32) -> Disk {
-        Disk { center, normal, radius }
+        Disk {
+            center,
+            normal,
+            radius,
+        }
     }
 
     #[inline]
@@ -85,7 +89,13 @@ impl Rectangle {
     pub fn new(center: Point, u: Dir, v: Dir, half: [i32; 2]) -> Option<Rectangle> {
         let normal = u.cross(v)?;
         let v = normal.cross(u)?;
-        Some(Rectangle { center, u, v, normal, half })
+        Some(Rectangle {
+            center,
+            u,
+            v,
+            normal,
+            half,
+        })
     }
 
     #[inline]

@@ -51,7 +51,11 @@ pub(crate) fn intersect<const K: usize>(ray: &GridRay, [a, b, c]: [[u16; 3]; 3])
     if opposite(u, v) || opposite(v, w) || (u | v | w) == 0 {
         return None;
     }
-    meet(ray, [u.unsigned_abs(), v.unsigned_abs(), w.unsigned_abs()], [a[K], b[K], c[K]])
+    meet(
+        ray,
+        [u.unsigned_abs(), v.unsigned_abs(), w.unsigned_abs()],
+        [a[K], b[K], c[K]],
+    )
 }
 
 /// One below and one above zero.
@@ -110,7 +114,10 @@ impl Edge {
     #[inline]
     pub fn new(p: i32, q: i32, r: i32, t: i32) -> Edge {
         let low = (p & 511) * q - (r & 511) * t;
-        Edge { high: (p >> 9) * q - (r >> 9) * t + (low >> 9), low: low & 511 }
+        Edge {
+            high: (p >> 9) * q - (r >> 9) * t + (low >> 9),
+            low: low & 511,
+        }
     }
 
     /// Negative, zero or positive as the value is.
@@ -124,7 +131,10 @@ impl Edge {
         if self.high >= 0 {
             self
         } else {
-            Edge { high: -self.high - (self.low != 0) as i32, low: -self.low & 511 }
+            Edge {
+                high: -self.high - (self.low != 0) as i32,
+                low: -self.low & 511,
+            }
         }
     }
 
@@ -153,7 +163,13 @@ fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [u16; 3]) -> Option<TriangleHit> 
     let share = |part: u32| ((mul_hi(part << up, r.mantissa) + (1 << 14)) >> 15) as i32;
     let b1 = share(v).min(1 << 16);
     let b2 = share(w).min((1 << 16) - b1);
-    let ahead = |z: u16| if ray.negative { ray.origin[2] - z as i32 } else { z as i32 - ray.origin[2] };
+    let ahead = |z: u16| {
+        if ray.negative {
+            ray.origin[2] - z as i32
+        } else {
+            z as i32 - ray.origin[2]
+        }
+    };
     let [za, zb, zc] = z.map(ahead);
     // |zb − za| < 2^16, eight bits below the point; their sum rounded to four. The weights are 0 or more and at most
     // 1 together, so the true sum lies within the vertices' depths, which every box around the triangle covers; the
@@ -183,7 +199,10 @@ mod tests {
             assert_eq!(edge.sign().signum() as i64, exact.signum());
             assert_eq!(value(edge.abs()), exact.abs());
             let (short, shift) = Edge::shorten([edge, edge.abs(), edge]);
-            assert_eq!([short[0] as i64, short[1] as i64], [exact >> shift, exact.abs() >> shift]);
+            assert_eq!(
+                [short[0] as i64, short[1] as i64],
+                [exact >> shift, exact.abs() >> shift]
+            );
         }
     }
 }

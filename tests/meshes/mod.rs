@@ -21,27 +21,47 @@ impl Model {
         let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
         let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
         nodes.truncate(used);
-        let mesh = TriangleMesh { grid, vertices: &vertices, triangles: &triangles };
+        let mesh = TriangleMesh {
+            grid,
+            vertices: &vertices,
+            triangles: &triangles,
+        };
         let depth = check_mesh(&mesh, &nodes).unwrap();
-        Model { name: name.to_string(), grid, vertices, triangles, nodes, depth }
+        Model {
+            name: name.to_string(),
+            grid,
+            vertices,
+            triangles,
+            nodes,
+            depth,
+        }
     }
 
     /// Scaled to fill the grid as far as its margin.
     fn scaled(name: &str, shift: u8, vertices: &[[f64; 3]], triangles: Vec<[u16; 3]>) -> Model {
         let fold = |a: usize, f: fn(f64, f64) -> f64| vertices.iter().map(|v| v[a]).reduce(f).unwrap();
         let low = [0, 1, 2].map(|a| fold(a, f64::min));
-        let extent = (0..3).map(|a| fold(a, f64::max) - low[a]).reduce(f64::max).unwrap();
+        let extent = (0..3)
+            .map(|a| fold(a, f64::max) - low[a])
+            .reduce(f64::max)
+            .unwrap();
         let margin = Grid::MARGIN as f64;
         let scale = (65535.0 - 2.0 * margin) / extent;
-        let vertices =
-            vertices.iter().map(|v| [0, 1, 2].map(|a| (margin + (v[a] - low[a]) * scale).round() as u16)).collect();
+        let vertices = vertices
+            .iter()
+            .map(|v| [0, 1, 2].map(|a| (margin + (v[a] - low[a]) * scale).round() as u16))
+            .collect();
         let corner = -(32768 << shift);
         let grid = Grid::new(Point([corner + 12345, corner - 777, corner]), shift).unwrap();
         Model::new(name, grid, vertices, triangles)
     }
 
     pub fn mesh(&self) -> TriangleMesh<'_> {
-        TriangleMesh { grid: self.grid, vertices: &self.vertices, triangles: &self.triangles }
+        TriangleMesh {
+            grid: self.grid,
+            vertices: &self.vertices,
+            triangles: &self.triangles,
+        }
     }
 }
 
@@ -105,13 +125,15 @@ impl Random {
                     _ => [1, self.below(100) as i64, 0],
                 };
                 let sum: i64 = weights.iter().sum();
-                let at = [0, 1, 2].map(|a| {
-                    ((0..3).map(|i| corners[i][a] as i64 * weights[i]).sum::<i64>() / sum) as i32
-                });
+                let at = [0, 1, 2]
+                    .map(|a| ((0..3).map(|i| corners[i][a] as i64 * weights[i]).sum::<i64>() / sum) as i32);
                 origin.to(Point(at)).normalize().map(|(dir, _)| dir)
             }
         };
-        Ray { origin, dir: dir.unwrap_or(Dir::Z) }
+        Ray {
+            origin,
+            dir: dir.unwrap_or(Dir::Z),
+        }
     }
 }
 
@@ -175,7 +197,8 @@ pub fn torus_knot(along: u32, around: u32, shift: u8) -> Model {
         let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
         for j in 0..around {
             let (s, c) = (j as f64 / around as f64 * TAU).sin_cos();
-            vertices.push([0, 1, 2].map(|a| p[a] + 0.4 * (c * out[a] / length(out) + s * up[a] / length(up))));
+            vertices
+                .push([0, 1, 2].map(|a| p[a] + 0.4 * (c * out[a] / length(out) + s * up[a] / length(up))));
         }
     }
     let index = |i: u32, j: u32| ((i % along) * around + j % around) as u16;
@@ -183,15 +206,30 @@ pub fn torus_knot(along: u32, around: u32, shift: u8) -> Model {
         let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
         [[a, b, c], [a, c, d]]
     };
-    let triangles = (0..along).flat_map(|i| (0..around).map(move |j| (i, j))).flat_map(quad).collect();
+    let triangles = (0..along)
+        .flat_map(|i| (0..around).map(move |j| (i, j)))
+        .flat_map(quad)
+        .collect();
     Model::scaled("torus knot", shift, &vertices, triangles)
 }
 
 /// Twelve triangles that fill the cube.
 pub fn room(shift: u8) -> Model {
-    let vertices: Vec<[f64; 3]> = (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| b as f64)).collect();
-    let quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]];
-    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    let vertices: Vec<[f64; 3]> = (0..8)
+        .map(|i| [i & 1, i >> 1 & 1, i >> 2].map(|b| b as f64))
+        .collect();
+    let quads = [
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+        [0, 4, 5, 1],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+    ];
+    let triangles = quads
+        .iter()
+        .flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]])
+        .collect();
     Model::scaled("room", shift, &vertices, triangles)
 }
 
@@ -208,7 +246,11 @@ pub fn soup(count: u32, shift: u8) -> Model {
         let base = vertices.len() as u16;
         for i in 0..3 {
             let mut v = [0, 1, 2].map(|a| {
-                let around = if a == flat { 0 } else { random.below(2 * size + 1) as i32 - size as i32 };
+                let around = if a == flat {
+                    0
+                } else {
+                    random.below(2 * size + 1) as i32 - size as i32
+                };
                 (centre[a] + around).clamp(low, high) as u16
             });
             // One in eight is a sliver: its last corner next to its first.
@@ -223,7 +265,12 @@ pub fn soup(count: u32, shift: u8) -> Model {
         }
     }
     let corner = -(32768 << shift);
-    Model::new("soup", Grid::new(Point([corner; 3]), shift).unwrap(), vertices, triangles)
+    Model::new(
+        "soup",
+        Grid::new(Point([corner; 3]), shift).unwrap(),
+        vertices,
+        triangles,
+    )
 }
 
 /// The OBJ files beside the repository, by name; none where they are not.
@@ -233,7 +280,10 @@ pub fn files() -> Vec<Model> {
         println!("no meshes in {folder}: only the generated ones are tested");
         return Vec::new();
     };
-    let mut paths: Vec<_> = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == "obj")).collect();
+    let mut paths: Vec<_> = entries
+        .map(|e| e.unwrap().path())
+        .filter(|p| p.extension().is_some_and(|e| e == "obj"))
+        .collect();
     paths.sort();
     paths.iter().map(|path| obj(path, 6)).collect()
 }

@@ -1,0 +1,109 @@
+//! The steps, cheap ones first.
+
+use anyhow::{Result, ensure};
+
+use super::summary;
+use crate::setup::Part;
+use crate::toolchain::Embedded;
+use crate::{layers, no_float, shell};
+
+/// One check.
+pub struct Step {
+    pub name: &'static str,
+    pub about: &'static str,
+    /// What `cargo xtask setup` installs for it.
+    pub needs: &'static [Part],
+    /// Does it; a line for the table if it holds.
+    pub run: fn() -> Result<String>,
+}
+
+/// All of them, in their order. Firmware in emulators has its lines at the end of this table.
+pub const STEPS: [Step; 7] = [
+    Step {
+        name: "fmt",
+        about: "the text is as rustfmt leaves it",
+        needs: &[Part::Host],
+        run: fmt,
+    },
+    Step {
+        name: "layers",
+        about: "the core's modules use what stands to their left",
+        needs: &[],
+        run: || layers::check(&shell::root()),
+    },
+    Step {
+        name: "clippy",
+        about: "no lint on the host, none in the core for the Cortex-M0+, where floats are banned",
+        needs: &[Part::Host, Part::Targets],
+        run: clippy,
+    },
+    Step {
+        name: "no-float",
+        about: "no soft-float routine in a linked Cortex-M0+ program",
+        needs: &[Part::Targets],
+        run: || no_float::check(&shell::root()),
+    },
+    Step {
+        name: "test",
+        about: "host tests and doc tests; an overflow is an error",
+        needs: &[Part::Host],
+        run: || test(&[]),
+    },
+    Step {
+        name: "test-release",
+        about: "the same tests as the chip runs the code: optimised, arithmetic that wraps",
+        needs: &[Part::Host],
+        run: || test(&["--release"]),
+    },
+    Step {
+        name: "doc",
+        about: "the documentation builds, every link leads somewhere",
+        needs: &[Part::Host],
+        run: doc,
+    },
+];
+
+fn fmt() -> Result<String> {
+    component("fmt", "rustfmt")?;
+    shell::run(shell::cargo("fmt").args(["--all", "--check"]))?;
+    // The program that `no-float` links is a workspace of its own.
+    shell::run(shell::cargo("fmt").args(["--check", "--manifest-path", "tests/no-float/Cargo.toml"]))?;
+    Ok("formatted".to_string())
+}
+
+fn clippy() -> Result<String> {
+    component("clippy", "clippy")?;
+    shell::run(shell::cargo("clippy").args(["--workspace", "--all-targets", "--", "-D", "warnings"]))?;
+    let embedded = Embedded::find("thumbv6m-none-eabi")?;
+    for features in ["--no-default-features", "--all-features"] {
+        let mut clippy = embedded.cargo("clippy");
+        shell::run(clippy.args(["--package", "microlux", "--lib", features, "--", "-D", "warnings"]))?;
+    }
+    Ok("no lint".to_string())
+}
+
+fn test(extra: &[&str]) -> Result<String> {
+    let output = shell::run_teed(shell::cargo("test").arg("--workspace").args(extra))?;
+    let total = summary::test_total(&output);
+    ensure!(total.passed > 0, "no test ran");
+    Ok(total.to_string())
+}
+
+fn doc() -> Result<String> {
+    shell::run(
+        shell::cargo("doc")
+            .args(["--workspace", "--no-deps"])
+            .env("RUSTDOCFLAGS", "-D warnings"),
+    )?;
+    Ok("no warning".to_string())
+}
+
+/// Complains if cargo lacks a subcommand that a rustup component brings.
+fn component(subcommand: &str, component: &str) -> Result<()> {
+    let answer = shell::ask(shell::cargo(subcommand).arg("--version"));
+    ensure!(
+        answer.is_some(),
+        "`cargo {subcommand}` is missing: run `rustup component add {component}`"
+    );
+    Ok(())
+}

@@ -1,0 +1,61 @@
+//! The command line.
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+
+use crate::{ci, golden, layers, no_float, setup, shell};
+
+/// The chores of microlux.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", arg_required_else_help = true)]
+pub struct Xtask {
+    #[command(subcommand)]
+    chore: Chore,
+}
+
+#[derive(Subcommand)]
+enum Chore {
+    /// Check everything that must hold before a change goes in
+    ///
+    /// Runs the steps in order and stops at the first that fails. `cargo xtask setup` installs what they need.
+    Ci(ci::Options),
+    /// Install what is missing on this machine
+    Setup(setup::Options),
+    /// Tell on modules of the core that use one to their right
+    ///
+    /// The order is num, color, geom, sampler, shape, bvh, material, light, camera, scene, integrator, render; film
+    /// uses num and color, and render uses film. Code under #[cfg(test)] is exempt.
+    Layers,
+    /// Look for soft-float routines in a linked Cortex-M0+ program
+    ///
+    /// Links tests/no-float, which renders through the public API, for thumbv6m-none-eabi and reads its symbols; then
+    /// links it once more with a float planted, which must be found.
+    NoFloat,
+    /// Compare the golden pictures with the record
+    Golden(golden::Options),
+}
+
+impl Xtask {
+    /// Does the chore that was asked for.
+    pub fn run(self) -> Result<()> {
+        match self.chore {
+            Chore::Ci(options) => ci::run(&options),
+            Chore::Setup(options) => setup::run(&options),
+            Chore::Layers => layers::check(&shell::root()).map(|summary| println!("{summary}")),
+            Chore::NoFloat => no_float::check(&shell::root()).map(|summary| println!("{summary}")),
+            Chore::Golden(options) => golden::run(&options),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Xtask::command().debug_assert();
+    }
+}

@@ -1,0 +1,13 @@
+//! The chores of microlux, one command for each: `cargo xtask --help` lists them.
+//!
+//! A chore that needs a program which is missing says which one and how to get it. Whatever compiles for a chip asks
+//! [`toolchain`] for its cargo, so that rustup's targets and Debian's compiler both serve.
+
+pub mod ci;
+pub mod cli;
+pub mod golden;
+pub mod layers;
+pub mod no_float;
+pub mod setup;
+pub mod shell;
+pub mod toolchain;
