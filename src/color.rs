@@ -1,6 +1,6 @@
 //! Colours, linear sRGB: [`Albedo`] (a share a surface gives back) and [`Radiance`] (light, any magnitude), never mixed.
 
-use crate::num::{Metres, Share, Wide, leading_zeros, recip};
+use crate::num::{Metres, Share, Wide, leading_zeros, mul_hi, recip};
 
 /// A share per channel, 0 ..= 1, steps of 2^-15, both ends exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,8 @@ pub const fn albedo(r: Share, g: Share, b: Share) -> Albedo {
 /// Light per channel: three 16-bit mantissas under one exponent.
 ///
 /// Value of a channel: `mantissa / 2^15 · 2^exponent`. Normalised: the largest mantissa is 2^15 or more, or all are 0.
-/// Results are rounded to nearest: an error of 2^-17 of the largest channel a step, at most. Units by use: W·sr⁻¹·m⁻²
+/// Results are rounded to nearest: a step's error, as a share of the largest channel, is 2^-16 at most, RMS 5.7e-6,
+/// without bias (mean within 4e-7; `tests/num_error`). Units by use: W·sr⁻¹·m⁻²
 /// for radiance; also intensity, irradiance, and a path's throughput.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Radiance {
@@ -176,7 +177,7 @@ impl Radiance {
         Wide::new(if a > b { a as u32 } else { b as u32 }, self.exponent as i32 - 15)
     }
 
-    /// Channels with 32 bits below the point, at most 2^16 (`(1 << 48) − 1`): what a film adds up.
+    /// Channels with 32 bits below the point, rounded to nearest, at most 2^16 (`(1 << 48) − 1`): what a film adds up.
     #[inline]
     pub const fn to_q32(self) -> [u64; 3] {
         let mut q = [0; 3];
@@ -201,23 +202,22 @@ impl Radiance {
 
 /// The mean of `count` ≥ 1 samples whose [`Radiance::to_q32`] were added up; sums under 2^64.
 ///
-/// Relative error 2^-16 of the largest channel at most.
+/// Error, as a share of the largest channel: 2^-16 at most, RMS 6.3e-6, no bias (mean within 1e-7;
+/// `tests/num_error`).
 pub fn mean_q32(sum: [u64; 3], count: u32) -> Radiance {
-    // Bring the largest sum to 32 bits, keep the others in step.
     let all = sum[0] | sum[1] | sum[2];
+    if all == 0 {
+        return Radiance::BLACK;
+    }
+    // The largest sum fills 32 bits, the others keep in step; then one product and one rounding.
     let zeros = if all >> 32 == 0 {
         32 + leading_zeros(all as u32)
     } else {
         leading_zeros((all >> 32) as u32)
     };
-    let shift = 32 - zeros.min(32);
-    let bits = [
-        (sum[0] >> shift) as u32,
-        (sum[1] >> shift) as u32,
-        (sum[2] >> shift) as u32,
-    ];
     let r = recip(count);
-    Radiance::from_bits(bits, shift as i32 - 32).scale(Wide::new(r.mantissa, -(r.shift as i32)))
+    let bits = sum.map(|s| mul_hi(((s << zeros) >> 32) as u32, r.mantissa));
+    Radiance::from_bits(bits, 32 - zeros as i32 - r.shift as i32)
 }
 
 #[inline]

@@ -11,6 +11,9 @@ pub struct Frame {
 
 impl Frame {
     /// About a normal (Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017, listing 3).
+    ///
+    /// Axes are at right angles to 1.12e-4 (the cosine; RMS 1.4e-5), tangents 1 long to 4e-5, RMS 8.6e-6
+    /// (`tests/num_error`); for the most part that is the error of the normal's own length.
     #[inline]
     pub fn about(n: Dir) -> Frame {
         let [x, y, z] = n.0;
@@ -26,7 +29,7 @@ impl Frame {
         }
     }
 
-    /// From local coordinates (s, t, n) to the frame's own.
+    /// From local coordinates (s, t, n) to the frame's own; components have the error of [`Dir::dot`].
     #[inline]
     pub fn to_world(&self, local: Dir) -> Dir {
         let (s, t, n) = (self.s.0, self.t.0, self.n.0);
@@ -34,7 +37,7 @@ impl Frame {
         Dir([mix(0), mix(1), mix(2)])
     }
 
-    /// To local coordinates: the cosines to s, t and n.
+    /// To local coordinates: the cosines to s, t and n, with the error of [`Dir::dot`].
     #[inline]
     pub fn to_local(&self, world: Dir) -> Dir {
         Dir([world.dot(self.s), world.dot(self.t), world.dot(self.n)])

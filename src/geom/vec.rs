@@ -8,7 +8,7 @@ pub struct Point(pub [i32; 3]);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Offset(pub [i32; 3]);
 
-/// A unit vector, components Q16 (±65536). Its length is 1 to about 2^-15.
+/// A unit vector, components Q16 (±65536). Its length is 1 to 4.6e-5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Dir(pub [i32; 3]);
 
@@ -61,7 +61,9 @@ impl Offset {
         ])
     }
 
-    /// Length along `dir`, units: three products, each rounded down (error −3 ..= 0 units).
+    /// Length along `dir`, units: three products, each rounded down.
+    ///
+    /// Error in (−3, 0] units, RMS 1.45, mean −1.3 (`tests/num_error`).
     #[inline]
     pub const fn dot(self, dir: Dir) -> i32 {
         let (a, d) = (self.0, dir.0);
@@ -72,7 +74,8 @@ impl Offset {
 
     /// Direction and length; `None` for nothing.
     ///
-    /// Where it points is right to 2^-16 a component; its length is 1 to 2^-14, from the 15 bits that are squared.
+    /// It points right to 1.3e-5 rad (RMS 5.9e-6), the rounding of its components; its length is 1 to 4.6e-5, RMS
+    /// 9.6e-6, no bias, from the 15 bits that are squared (`tests/num_error`).
     #[inline]
     pub fn normalize(self) -> Option<(Dir, Norm)> {
         let v = self.0;
@@ -106,7 +109,9 @@ impl Offset {
 }
 
 impl Norm {
-    /// Length, units, rounded down; relative error 2^-14 at most, from the 15 bits that were kept.
+    /// Length, units, rounded down; lengths under 2^31.
+    ///
+    /// Relative error 3.7e-5 at most, RMS 1.1e-5, no bias, from the 15 bits that were kept (`tests/num_error`).
     #[inline]
     pub fn length(self) -> i32 {
         // √n · 2^15 with n = square · 2^(2 half)
@@ -119,7 +124,7 @@ impl Norm {
         }
     }
 
-    /// Squared length, units².
+    /// Squared length, units²: relative error 8.4e-5 at most, RMS 1.8e-5, no bias (`tests/num_error`).
     #[inline]
     pub const fn square(self) -> Wide {
         Wide::new(self.square, 2 * self.shift)
@@ -136,14 +141,16 @@ impl Dir {
         Offset(v).normalize().map(|(dir, _)| dir)
     }
 
-    /// Cosine between two directions, Q16, rounded to nearest.
+    /// Cosine between two directions, Q16, rounded to nearest: error ½ ulp (7.7e-6) at most, RMS 4.3e-6, no bias (mean
+    /// within 2e-8; `tests/num_error`).
     #[inline]
     pub const fn dot(self, other: Dir) -> i32 {
         (self.dot_q24(other) + 128) >> 8
     }
 
-    /// Cosine between two directions, Q24, of the directions as they stand: error in (−1, 0] ulp.
+    /// Cosine between two directions, Q24, of the directions as they stand.
     ///
+    /// Error in (−1, 0] ulp, RMS 0.57, mean −0.48 (`tests/num_error`).
     /// For planes seen at grazing angles, where the quotient by it matters.
     #[inline]
     pub const fn dot_q24(self, other: Dir) -> i32 {
@@ -154,7 +161,9 @@ impl Dir {
         high + (low >> 8)
     }
 
-    /// The direction at right angles to both, self × other; `None` if they are (nearly) parallel.
+    /// The direction at right angles to both, self × other; `None` if they are (nearly) parallel, sine under 2^-10 or so.
+    ///
+    /// It points right to 1.3e-5 rad, as [`Offset::normalize`] (`tests/num_error`).
     pub fn cross(self, other: Dir) -> Option<Dir> {
         // Q16 × Q16 → Q30: each product is at most 2^30, and so is a component of the result.
         let (a, b) = (self.0, other.0);
@@ -180,9 +189,12 @@ impl Dir {
     }
 
     /// The mirror image of a direction that points away from the surface, about the normal: 2 (w·n) n − w.
+    ///
+    /// Turned wrong by 3.4e-5 rad at most, RMS 1.25e-5; its length is 1 to 1.75e-4, RMS 2.2e-5, mostly the normal's own
+    /// error (`tests/num_error`).
     #[inline]
     pub fn reflect(self, normal: Dir) -> Dir {
-        let twice = 2 * self.dot(normal);
+        let twice = (self.dot_q24(normal) + (1 << 6)) >> 7;
         let (w, n) = (self.0, normal.0);
         Dir([
             mul_q16(twice, n[0]) - w[0],

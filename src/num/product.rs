@@ -1,6 +1,6 @@
 /// ⌊a·b / 2^16⌋, wrapped to 32 bits: a Q16 factor leaves the other's format as it is.
 ///
-/// Exact floor, error in (−1, 0] ulp, mean −½ ulp.
+/// Exact floor: error in (−1, 0] ulp, RMS 0.58, mean −½ (`tests/num_error`). |a·b| < 2^47 does not wrap.
 #[inline(always)]
 pub const fn mul_q16(a: i32, b: i32) -> i32 {
     #[cfg(narrow_mul)]
@@ -10,6 +10,8 @@ pub const fn mul_q16(a: i32, b: i32) -> i32 {
 }
 
 /// ⌊a·b / 2^`shift`⌋, wrapped to 32 bits; `shift` in 0 ..= 63.
+///
+/// Exact floor: error in (−1, 0] ulp, RMS 0.58, mean −½ (`tests/num_error`).
 #[inline(always)]
 pub const fn mul_shift(a: i32, b: i32, shift: u32) -> i32 {
     #[cfg(narrow_mul)]
@@ -19,6 +21,8 @@ pub const fn mul_shift(a: i32, b: i32, shift: u32) -> i32 {
 }
 
 /// ⌊a·b / 2^32⌋: the high word.
+///
+/// Exact floor: error in (−1, 0] ulp, RMS 0.58, mean −½ (`tests/num_error`).
 #[inline(always)]
 pub const fn mul_hi(a: u32, b: u32) -> u32 {
     #[cfg(narrow_mul)]
@@ -27,7 +31,7 @@ pub const fn mul_hi(a: u32, b: u32) -> u32 {
     return ((a as u64 * b as u64) >> 32) as u32;
 }
 
-/// The same products from 32×32→32 multiplications alone; `tests/num_error.rs` holds the twins equal.
+/// The same products from 32×32→32 multiplications alone; `tests/num_error` holds the twins equal.
 pub mod narrow {
     /// See [`super::mul_q16`]. Four products: ah·bh·2^16 + ah·bl + al·bh + ⌊al·bl / 2^16⌋, modulo 2^32.
     #[inline(always)]

@@ -10,8 +10,11 @@ pub struct Recip {
 }
 
 impl Recip {
-    /// ⌊a / x⌋ for a small enough answer (|a/x| < 2^31 and `extra` such that `shift − extra` is 1 or more), times
-    /// 2^`extra`: relative error that of the reciprocal, then rounded down.
+    /// a/x times 2^`extra`, for answers under 2^31 − 8 in magnitude; `extra` < `shift`.
+    ///
+    /// The reciprocal's error, then rounded down: for answers under 2^16 error in (−1.001, 0.001) ulp, RMS 0.65, mean
+    /// −0.5, so that an exact quotient may come out one less; for any, max 7 ulp, RMS 1.25, mean −0.42
+    /// (`tests/num_error`).
     #[inline(always)]
     pub const fn times(self, a: i32, extra: u32) -> i32 {
         // The mantissa has 32 bits: halve it so that it fits the signed product.
@@ -33,7 +36,8 @@ static TABLE: [u16; 128] = {
 
 /// Reciprocal of `x` ≥ 1 (0 answers as 1 would).
 ///
-/// Relative error: see `tests/num_error.rs`. Table of 128, one Newton step in 16 bits, one in 32.
+/// Relative error: max 3.0e-9 (2^-28.3; 2^31 ..= 2^32 − 1 tried one by one), RMS 7.3e-10, mean −4.4e-10
+/// (`tests/num_error`). Table of 128, one Newton step in 16 bits, one in 32.
 #[inline]
 pub fn recip(x: u32) -> Recip {
     let zeros = leading_zeros(x | 1).min(31);

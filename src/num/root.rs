@@ -24,7 +24,8 @@ static TABLE: [u16; 192] = {
 /// Reciprocal square root: (mantissa, half) with 1/√x = mantissa · 2^(half − 47), mantissa in 2^31 ..= 2^32 − 1 and
 /// half in 0 ..= 15, for `x` ≥ 1 (0 answers as 1 would).
 ///
-/// Relative error: see `tests/num_error.rs`. Table of 192, one Newton step in 16 bits, one in 32.
+/// Relative error: max 8.3e-9 (2^-26.8; 2^30 ..= 2^32 − 1 tried one by one), RMS 1.3e-9, mean −7.4e-10
+/// (`tests/num_error`). Table of 192, one Newton step in 16 bits, one in 32.
 #[inline]
 pub fn rsqrt(x: u32) -> (u32, u32) {
     let half = leading_zeros(x | 1) >> 1;

@@ -1,19 +1,28 @@
-use super::Turn;
+use super::{Turn, mul_hi};
 
 /// Sine and cosine of an angle in turns, both Q16 in −65536 ..= 65536.
 ///
-/// Error: see `tests/num_error.rs`. Reduced to ±1/8 turn; polynomials of degree 5 and 6 (minimax on that interval).
+/// Error: max 8.6e-6 (0.56 ulp), RMS 4.5e-6, no bias (mean within 1e-7, away from 0 counted as positive); the two as a
+/// vector are 1 long to 1.15e-5 (`tests/num_error`). Reduced to ±1/8 turn; polynomials of degree 5 and 6, minimax on
+/// that interval. Three wide products, four of 32 bits.
 #[inline]
 pub fn sin_cos(angle: Turn) -> (i32, i32) {
     let phase = angle.to_bits();
     let quadrant = phase.wrapping_add(1 << 29) >> 30;
-    // x in ±2^15, for ±π/4
-    let x = (phase.wrapping_sub(quadrant << 30) as i32 + (1 << 13)) >> 14;
-    let x2 = (x * x) >> 15;
-    let s = 51472 + (((((159 * x2) >> 15) - 5290) * x2 + (1 << 14)) >> 15);
-    let s = (s * x + (1 << 14)) >> 15;
-    let c = ((1039 + ((-21 * x2) >> 15)) * x2 + (1 << 14)) >> 15;
-    let c = (1 << 16) + (((c - 20213) * x2 + (1 << 14)) >> 15);
+    // x in ±2^31 stands for ±π/4, Q31 = 1 at the end; its square Q30, and again in 15 bits for the small terms.
+    let rest = phase.wrapping_sub(quadrant << 30) as i32;
+    let x = rest.unsigned_abs() << 2;
+    let x2 = mul_hi(x, x);
+    let short = (x2 + (1 << 14)) >> 15;
+    // sin = x (0.78539 − x² (1/16 + 0.018214 − 0.0024271 x²)): Q31 · Q32
+    let third = 76_395 - ((10_180 * short) >> 15);
+    let s = mul_hi(x, 3_373_242_552 - (x2 >> 2) - ((third * short) >> 5));
+    let s = ((s + (1 << 14)) >> 15) as i32;
+    let s = if rest < 0 { -s } else { s };
+    // 1 − cos = x² (0.308424 − x² (0.015850 − 0.00031916 x²)): Q30 · Q32
+    let fourth = 66_481 - ((1339 * short) >> 15);
+    let c = (1 << 30) - mul_hi(x2, 1_324_673_091 - (((fourth * short) >> 15) << 10));
+    let c = ((c + (1 << 13)) >> 14) as i32;
     match quadrant & 3 {
         0 => (s, c),
         1 => (c, -s),

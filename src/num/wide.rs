@@ -2,8 +2,9 @@ use super::{leading_zeros, recip, rsqrt};
 
 /// A number ≥ 0 with 16 bits of precision and an exponent of 16 bits: densities, solid angles, 1/d², weights.
 ///
-/// Value: `mantissa / 2^15 · 2^exponent`, mantissa in 2^15 ..= 2^16 − 1, or 0. Results are rounded to nearest (½ ulp,
-/// relative 2^-17 at most); above 2^32767 they stay at the largest, below 2^-32768 they become 0.
+/// Value: `mantissa / 2^15 · 2^exponent`, mantissa in 2^15 ..= 2^16 − 1, or 0. Results are rounded to nearest:
+/// error ½ ulp, 2^-16 of the value, at most (quotients and roots 0.501 ulp), RMS 0.3 ulp, no bias (mean within
+/// 0.035 ulp; `tests/num_error`). Above 2^32767 they stay at the largest, below 2^-32768 they become 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub struct Wide {
     mantissa: u16,
@@ -140,7 +141,8 @@ impl Wide {
             return Wide::ZERO;
         }
         let gap = self.exponent as i32 - other.exponent as i32;
-        if other.mantissa == 0 || gap > 16 {
+        // Just above a power of two the difference has finer steps than `self`: 17 still counts.
+        if other.mantissa == 0 || gap > 17 {
             return self;
         }
         let difference = ((self.mantissa as u32) << 15) - (((other.mantissa as u32) << 15) >> gap);
@@ -159,6 +161,7 @@ impl Wide {
     }
 
     #[inline]
+    #[allow(clippy::should_implement_trait, reason = "the operator below calls it")]
     pub fn div(self, other: Wide) -> Wide {
         if self.mantissa == 0 {
             return Wide::ZERO;

@@ -1,0 +1,374 @@
+//! Every kernel of `num` against f64 over its domain, edges included: what its documentation says, held both ways.
+
+use crate::figures::{Figures, Mean, Random, Said};
+use microlux::num::*;
+
+/// What rounding down does to evenly spread values: errors in (−1, 0] ulp.
+const FLOOR: Said = Said {
+    max: 1.0,
+    rms: 0.58,
+    mean: Mean::Is(-0.51),
+};
+
+/// Where carries and signs change.
+const EDGES: [i32; 16] = [
+    0,
+    1,
+    -1,
+    2,
+    0x7fff,
+    0x8000,
+    0xffff,
+    0x1_0000,
+    0x1_0001,
+    -0x8000,
+    -0x1_0000,
+    -0x1_0001,
+    i32::MAX,
+    i32::MAX - 1,
+    i32::MIN,
+    i32::MIN + 1,
+];
+
+#[test]
+fn products_and_their_narrow_twins_are_the_exact_floor() {
+    let hold = |a: i32, b: i32| {
+        let product = i64::from(a) * i64::from(b);
+        assert_eq!(
+            [mul_q16(a, b), narrow::mul_q16(a, b)],
+            [(product >> 16) as i32; 2],
+            "{a} {b}"
+        );
+        let unsigned = u64::from(a as u32) * u64::from(b as u32);
+        assert_eq!(
+            [mul_hi(a as u32, b as u32), narrow::mul_hi(a as u32, b as u32)],
+            [(unsigned >> 32) as u32; 2]
+        );
+        for shift in 0..64 {
+            assert_eq!(
+                [mul_shift(a, b, shift), narrow::mul_shift(a, b, shift)],
+                [(product >> shift) as i32; 2]
+            );
+        }
+    };
+    for a in EDGES {
+        for b in EDGES {
+            hold(a, b);
+        }
+    }
+    let mut random = Random(1);
+    for _ in 0..100_000 {
+        hold(random.signed(32), random.signed(32));
+    }
+}
+
+#[test]
+fn products_lose_half_an_ulp() {
+    let mut random = Random(2);
+    let (mut q16, mut hi, mut shifted) = (Figures::default(), Figures::default(), Figures::default());
+    for _ in 0..1_000_000 {
+        let (a, b) = (random.bits() as i32, (random.bits() & 0x1_ffff) as i32 - 0x1_0000);
+        q16.add(f64::from(mul_q16(a, b)) - f64::from(a) * f64::from(b) / 65536.0);
+        let (a, b) = (random.bits(), random.bits());
+        hi.add(f64::from(mul_hi(a, b)) - f64::from(a) * (f64::from(b) / 2f64.powi(32)));
+        let shift = 31 + random.below(10);
+        let exact = f64::from(a as i32) * (f64::from(b as i32) / 2f64.powi(shift as i32));
+        shifted.add(f64::from(mul_shift(a as i32, b as i32, shift)) - exact);
+    }
+    q16.assert("mul_q16, ulp", FLOOR);
+    hi.assert("mul_hi, ulp", FLOOR);
+    shifted.assert("mul_shift, ulp", FLOOR);
+}
+
+#[test]
+fn zeros_and_shifts_are_exact() {
+    for bit in 0..32 {
+        assert_eq!(leading_zeros(1 << bit), 31 - bit);
+        assert_eq!(leading_zeros(u32::MAX >> bit), bit);
+    }
+    assert_eq!(leading_zeros(0), 32);
+    let mut random = Random(3);
+    for i in 0..300_000 {
+        let edge = |at: usize| EDGES[(i >> (4 * at)) % 16];
+        let v = if i < 4096 {
+            [edge(0), edge(1), edge(2)]
+        } else {
+            [0; 3].map(|_| random.signed(32))
+        };
+        let largest = |shift: u32| {
+            let fits = |c: i32| (-(1i64 << 15) <= i64::from(c >> shift)) && (i64::from(c >> shift) < 1 << 15);
+            v.iter().all(|c| fits(*c))
+        };
+        let shift = normalize_shift(v, 15);
+        assert!(largest(shift), "{v:?} >> {shift}");
+        assert!(
+            shift == 0 || !largest(shift - 1),
+            "{v:?} >> {shift}: one less would do"
+        );
+        let by = i as u32 % 32;
+        let half = (1i64 << by) >> 1;
+        assert_eq!(i64::from(round_shift(v[0], by)), (i64::from(v[0]) + half) >> by);
+    }
+}
+
+/// 1 and up: small ones, each table interval's ends in each octave, powers of two and their neighbours, random ones.
+fn positive() -> impl Iterator<Item = u32> {
+    let mut random = Random(4);
+    let small = 1..=1 << 16;
+    let ends = (0..32).flat_map(|zeros| {
+        (0..256u64).map(move |i| (((0x80 + i / 2) << 24) as u32 - (i % 2) as u32) >> zeros)
+    });
+    let powers = (0..32).flat_map(|bit| [1u32 << bit, (1u32 << bit).wrapping_sub(1), (1 << bit) + 1]);
+    let any = (0..1_000_000).map(move |_| random.any_size());
+    small
+        .chain(ends)
+        .chain(powers)
+        .chain(any)
+        .filter(|x| *x > 0)
+        .chain([u32::MAX])
+}
+
+#[test]
+fn reciprocals() {
+    let mut error = Figures::default();
+    for x in positive() {
+        let r = recip(x);
+        assert!(r.mantissa >= 1 << 31 && (32..=63).contains(&r.shift), "{x}");
+        error.add(f64::from(r.mantissa) * f64::from(x) / 2f64.powi(r.shift as i32) - 1.0);
+    }
+    assert_eq!(recip(0), recip(1));
+    error.assert(
+        "recip, relative",
+        Said {
+            max: 3.0e-9,
+            rms: 7.3e-10,
+            mean: Mean::Is(-4.4e-10),
+        },
+    );
+}
+
+#[test]
+fn quotients_by_reciprocal() {
+    let mut random = Random(5);
+    let (mut small, mut large) = (Figures::default(), Figures::default());
+    for x in positive() {
+        let r = recip(x);
+        let a = random.signed(32);
+        let exact = f64::from(a) / f64::from(x);
+        // The most fraction bits that the product and the answer have room for.
+        let room = |extra: &u32| exact.abs() * 2f64.powi(*extra as i32) < 2f64.powi(31) - 8.0;
+        let extra = (0..r.shift).rev().find(room).unwrap_or(0);
+        large.add(f64::from(r.times(a, extra)) - exact * 2f64.powi(extra as i32));
+        if exact.abs() < 65536.0 {
+            small.add(f64::from(r.times(a, 0)) - exact);
+        }
+    }
+    small.assert(
+        "Recip::times, ulp, answers under 2^16",
+        Said {
+            max: 1.001,
+            rms: 0.65,
+            mean: Mean::Is(-0.5),
+        },
+    );
+    large.assert(
+        "Recip::times, ulp, any answer",
+        Said {
+            max: 7.0,
+            rms: 1.25,
+            mean: Mean::Is(-0.42),
+        },
+    );
+}
+
+#[test]
+fn reciprocal_roots() {
+    let mut error = Figures::default();
+    for x in positive() {
+        let (mantissa, half) = rsqrt(x);
+        assert!(mantissa >= 1 << 31 && half <= 15, "{x}");
+        error.add(f64::from(mantissa) * 2f64.powi(half as i32 - 47) * f64::from(x).sqrt() - 1.0);
+    }
+    assert_eq!(rsqrt(0), rsqrt(1));
+    error.assert(
+        "rsqrt, relative",
+        Said {
+            max: 8.3e-9,
+            rms: 1.3e-9,
+            mean: Mean::Is(-7.4e-10),
+        },
+    );
+}
+
+#[test]
+fn roots_are_the_exact_floor() {
+    // At each square and next to it, where the answer changes.
+    for root in 0..=65535u32 {
+        assert_eq!(isqrt(root * root), root);
+        assert_eq!(isqrt(root * root + 2 * root), root);
+        assert_eq!(isqrt(root * root + root), root);
+    }
+    assert_eq!(isqrt(u32::MAX), 65535);
+    for x in positive() {
+        assert_eq!(isqrt(x), x.isqrt());
+    }
+}
+
+#[test]
+fn angles() {
+    let (mut sine, mut length) = (Figures::default(), Figures::default());
+    let mut random = Random(6);
+    let ends = (0..=16u32).flat_map(|i| [-2, -1, 0, 1, 2].map(|d| (i << 28).wrapping_add_signed(d)));
+    for phase in ends.chain((0..1 << 20).map(|i| (i << 12) + (random.bits() >> 20))) {
+        let turns = f64::from(phase) / 2f64.powi(32);
+        let (s, c) = sin_cos(Turn::from_bits(phase));
+        assert!(s.abs() <= ONE_Q16 && c.abs() <= ONE_Q16);
+        let (s, c) = (f64::from(s) / 65536.0, f64::from(c) / 65536.0);
+        let (exact_s, exact_c) = (turns * std::f64::consts::TAU).sin_cos();
+        // Away from zero counts as positive: that is what would brighten.
+        sine.add((s - exact_s) * exact_s.signum());
+        sine.add((c - exact_c) * exact_c.signum());
+        length.add(s.hypot(c) - 1.0);
+    }
+    for (quarter, exact) in [(0, (0, 1)), (1, (1, 0)), (2, (0, -1)), (3, (-1, 0))] {
+        assert_eq!(
+            sin_cos(Turn::from_bits(quarter << 30)),
+            (exact.0 * ONE_Q16, exact.1 * ONE_Q16)
+        );
+    }
+    sine.assert(
+        "sin_cos",
+        Said {
+            max: 8.6e-6,
+            rms: 4.5e-6,
+            mean: Mean::Within(1e-7),
+        },
+    );
+    length.assert(
+        "sin_cos, length",
+        Said {
+            max: 1.15e-5,
+            rms: 4.5e-6,
+            mean: Mean::Within(1e-7),
+        },
+    );
+}
+
+fn value(w: Wide) -> f64 {
+    f64::from(w.mantissa()) * 2f64.powi(i32::from(w.exponent()) - 15)
+}
+
+/// Mantissas at both ends of the octave and anywhere, exponents equal to far apart.
+fn wide(random: &mut Random) -> Wide {
+    let mantissa = match random.below(16) {
+        0 => (1 << 15) + random.below(3),
+        1 => (1 << 16) - 1 - random.below(3),
+        _ => (1 << 15) + random.below(1 << 15),
+    };
+    Wide::new(mantissa, random.below(40) as i32 - 35)
+}
+
+#[test]
+fn wide_numbers_round_to_nearest() {
+    let mut random = Random(7);
+    let mut of = [(); 8].map(|()| Figures::default());
+    for _ in 0..1_000_000 {
+        let (a, b) = (wide(&mut random), wide(&mut random));
+        let x = random.any_size();
+        let cases = [
+            (Wide::new(x, -7), f64::from(x) / 128.0),
+            (a * b, value(a) * value(b)),
+            (a + b, value(a) + value(b)),
+            (a.saturating_sub(b), value(a) - value(b)),
+            (a / b, value(a) / value(b)),
+            (a.recip(), 1.0 / value(a)),
+            (a.sqrt(), value(a).sqrt()),
+        ];
+        for (figures, (is, exact)) in of.iter_mut().zip(cases) {
+            if exact > 0.0 {
+                assert!(is.mantissa() >= 1 << 15);
+                // In steps of the exact answer's octave.
+                figures.add((value(is) - exact) / 2f64.powi(exact.log2().floor() as i32 - 15));
+            } else {
+                assert_eq!(is, Wide::ZERO);
+            }
+        }
+        let fraction = random.below(32) as i32 - 4;
+        let exact = value(a) * 2f64.powi(fraction);
+        if exact < 2f64.powi(32) {
+            of[7].add(f64::from(a.to_fixed(fraction)) - exact);
+        } else {
+            assert_eq!(a.to_fixed(fraction), u32::MAX);
+        }
+        assert_eq!(a.partial_cmp(&b), value(a).partial_cmp(&value(b)));
+        assert_eq!(value(a.shl(-9)), value(a) / 512.0);
+    }
+    let names = [
+        "new",
+        "mul",
+        "add",
+        "saturating_sub",
+        "div",
+        "recip",
+        "sqrt",
+        "to_fixed",
+    ];
+    for (figures, name) in of.iter().zip(names) {
+        figures.assert(
+            &format!("Wide {name}, ulp"),
+            Said {
+                max: 0.501,
+                rms: 0.3,
+                mean: Mean::Within(0.035),
+            },
+        );
+    }
+}
+
+#[test]
+fn wide_numbers_at_their_ends() {
+    let largest = Wide::new(0xffff, i32::from(i16::MAX) - 15);
+    let smallest = Wide::new(1, i32::from(i16::MIN));
+    for (name, is, expected) in [
+        ("too large", Wide::new(1, 40_000), largest),
+        ("too small", Wide::new(1, -40_000), Wide::ZERO),
+        ("product too large", largest * largest, largest),
+        ("product too small", smallest * smallest, Wide::ZERO),
+        ("sum too large", largest + largest, largest),
+        ("quotient too large", largest / smallest, largest),
+        ("quotient too small", smallest / largest, Wide::ZERO),
+        ("by nothing", Wide::ONE / Wide::ZERO, largest),
+        ("nothing by nothing", Wide::ZERO / Wide::ZERO, Wide::ZERO),
+        ("reciprocal of nothing", Wide::ZERO.recip(), largest),
+        ("root of nothing", Wide::ZERO.sqrt(), Wide::ZERO),
+        ("sum with nothing", Wide::ZERO + smallest, smallest),
+        (
+            "difference with nothing",
+            smallest.saturating_sub(Wide::ZERO),
+            smallest,
+        ),
+        (
+            "difference of equals",
+            largest.saturating_sub(largest),
+            Wide::ZERO,
+        ),
+        ("rounded up an octave", Wide::new(0xffff_8000, -32), Wide::ONE),
+        ("negative", Wide::from_q16(-1), Wide::ZERO),
+        ("moved too far", smallest.shl(-1), Wide::ZERO),
+    ] {
+        assert_eq!(is, expected, "{name}");
+    }
+    assert_eq!(smallest.sqrt(), Wide::new(1, -16384));
+    assert_eq!(
+        [largest.to_fixed(0), smallest.to_fixed(0), Wide::ONE.to_fixed(31)],
+        [u32::MAX, 0, 1 << 31]
+    );
+    assert_eq!(
+        Wide::PI,
+        Wide::new((std::f64::consts::PI * 2f64.powi(29)).round() as u32, -29)
+    );
+    assert_eq!(
+        Wide::INV_PI,
+        Wide::new((std::f64::consts::FRAC_1_PI * 2f64.powi(29)).round() as u32, -29)
+    );
+}
