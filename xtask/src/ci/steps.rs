@@ -1,6 +1,6 @@
 //! The steps, cheap ones first.
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 
 use super::summary;
 use crate::setup::Part;
@@ -65,9 +65,19 @@ pub const STEPS: [Step; 7] = [
 
 fn fmt() -> Result<String> {
     component("fmt", "rustfmt")?;
-    shell::run(shell::cargo("fmt").args(["--all", "--check"]))?;
     // The program that `no-float` links is a workspace of its own.
-    shell::run(shell::cargo("fmt").args(["--check", "--manifest-path", "tests/no-float/Cargo.toml"]))?;
+    for workspace in ["Cargo.toml", "tests/no-float/Cargo.toml"] {
+        let mut fmt = shell::cargo("fmt");
+        fmt.args([
+            "--all",
+            "--manifest-path",
+            workspace,
+            "--check",
+            "--",
+            "--files-with-diff",
+        ]);
+        shell::run(&mut fmt).with_context(|| format!("run `cargo fmt --all --manifest-path {workspace}`"))?;
+    }
     Ok("formatted".to_string())
 }
 
