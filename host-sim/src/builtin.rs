@@ -262,7 +262,7 @@ fn spheres() -> SceneDesc {
 }
 
 fn torus_knot_on_floor() -> SceneDesc {
-    let mut draft = Draft::new("torus-knot", 6, camera([1.1, 2.3, 4.4], [0.0, 0.85, 0.0], 36.0));
+    let mut draft = Draft::new("torus-knot", 6, camera([1.1, 2.3, 4.6], [0.0, 0.98, 0.0], 36.0));
     let floor = draft.diffuse("floor", [0.5, 0.5, 0.5]);
     let tube = draft.diffuse("tube", [0.2, 0.42, 0.62]);
     let half = 6.0;
@@ -275,7 +275,7 @@ fn torus_knot_on_floor() -> SceneDesc {
     draft.shape(
         "knot",
         tube,
-        GeometryDesc::Mesh(torus_knot::mesh([0.0, 0.95, 0.0])),
+        GeometryDesc::Mesh(torus_knot::mesh([0.0, 1.1, 0.0])),
     );
     let lamp = GeometryDesc::Rectangle {
         center: [0.0, 3.6, 0.6],

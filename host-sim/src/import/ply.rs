@@ -93,6 +93,14 @@ fn malformed(path: &Path, error: &ParseError) -> ImportError {
         .split_once(": ")
         .filter(|_| error.line().is_some())
         .map_or(text.as_str(), |(_, what)| what);
+    // A line that is not what the header promises is quoted after `String: `, then the grammar follows.
+    let what = match what
+        .split_once("String: '")
+        .and_then(|(_, quoted)| quoted.split_once('\''))
+    {
+        Some((quoted, _)) => format!("\"{}\" is not what the header promises", quoted.trim()),
+        None => what.trim_end_matches('.').to_string(),
+    };
     let line = error.line().and_then(|line| u32::try_from(line).ok());
     ImportError {
         line,

@@ -215,7 +215,10 @@ impl TreeReader<'_> {
 
     /// An error, or a warning where those are asked for.
     fn refuse(&mut self, source: &Source, node: roxmltree::Node, message: String) -> Result<(), ImportError> {
-        let error = source.error(node, message);
+        self.report(source.error(node, message))
+    }
+
+    fn report(&mut self, error: ImportError) -> Result<(), ImportError> {
         if !self.lenient {
             return Err(error);
         }
@@ -258,13 +261,11 @@ impl TreeReader<'_> {
             _ => {}
         }
         for child in node.children() {
-            if child.is_text() && child.text().is_some_and(|text| !text.trim().is_empty()) {
-                let text: String = child.text().unwrap_or_default().trim().chars().take(20).collect();
-                self.refuse(
-                    source,
-                    node,
-                    format!("text \"{text}\" in {}; remove it", element.describe()),
-                )?;
+            if let Some(text) = child
+                .text()
+                .filter(|text| child.is_text() && !text.trim().is_empty())
+            {
+                self.refuse_text(source, child, text, &element)?;
             } else if child.is_element() {
                 element.children.extend(self.element(source, child, false)?);
             }
@@ -274,6 +275,20 @@ impl TreeReader<'_> {
         } else {
             vec![element]
         })
+    }
+
+    /// Words between tags; the line is that of the first of them.
+    fn refuse_text(
+        &mut self,
+        source: &Source,
+        node: roxmltree::Node,
+        text: &str,
+        holder: &Element,
+    ) -> Result<(), ImportError> {
+        let start = node.range().start + (text.len() - text.trim_start().len());
+        let words: String = text.trim().chars().take(20).collect();
+        let message = format!("text \"{words}\" in {}; remove it", holder.describe());
+        self.report(ImportError::at(&source.path, source.line(start), message))
     }
 
     fn check_attributes(
