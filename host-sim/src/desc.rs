@@ -77,14 +77,43 @@ pub struct NamedMaterial {
 
 #[derive(Clone, Debug)]
 pub enum BsdfDesc {
-    Diffuse { reflectance: Vec3 },
+    Diffuse {
+        reflectance: Vec3,
+    },
     /// Smooth metal. `eta_k`: none for a perfect mirror (`material` none).
-    Conductor { specular_reflectance: Vec3, eta_k: Option<(Vec3, Vec3)> },
-    Dielectric { int_ior: f64, ext_ior: f64, specular_reflectance: Vec3, specular_transmittance: Vec3 },
-    RoughConductor { alpha: f64, specular_reflectance: Vec3, eta_k: Option<(Vec3, Vec3)> },
-    RoughDielectric { alpha: f64, int_ior: f64, ext_ior: f64, specular_reflectance: Vec3, specular_transmittance: Vec3 },
-    OrenNayar { reflectance: Vec3, sigma_degrees: f64, model: OrenNayarModel },
-    BlinnPhong { diffuse_reflectance: Vec3, specular_reflectance: Vec3, exponent: f64, normalized: bool },
+    Conductor {
+        specular_reflectance: Vec3,
+        eta_k: Option<(Vec3, Vec3)>,
+    },
+    Dielectric {
+        int_ior: f64,
+        ext_ior: f64,
+        specular_reflectance: Vec3,
+        specular_transmittance: Vec3,
+    },
+    RoughConductor {
+        alpha: f64,
+        specular_reflectance: Vec3,
+        eta_k: Option<(Vec3, Vec3)>,
+    },
+    RoughDielectric {
+        alpha: f64,
+        int_ior: f64,
+        ext_ior: f64,
+        specular_reflectance: Vec3,
+        specular_transmittance: Vec3,
+    },
+    OrenNayar {
+        reflectance: Vec3,
+        sigma_degrees: f64,
+        model: OrenNayarModel,
+    },
+    BlinnPhong {
+        diffuse_reflectance: Vec3,
+        specular_reflectance: Vec3,
+        exponent: f64,
+        normalized: bool,
+    },
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,12 +136,26 @@ pub struct ShapeDesc {
 
 #[derive(Clone, Debug)]
 pub enum GeometryDesc {
-    Sphere { center: Vec3, radius: f64 },
+    Sphere {
+        center: Vec3,
+        radius: f64,
+    },
     /// Unbounded.
-    Plane { point: Vec3, normal: Vec3 },
-    Disk { center: Vec3, normal: Vec3, radius: f64 },
+    Plane {
+        point: Vec3,
+        normal: Vec3,
+    },
+    Disk {
+        center: Vec3,
+        normal: Vec3,
+        radius: f64,
+    },
     /// The parallelogram `center ± u ± v` with `u ⊥ v`; its normal is along `u × v`.
-    Rectangle { center: Vec3, u: Vec3, v: Vec3 },
+    Rectangle {
+        center: Vec3,
+        u: Vec3,
+        v: Vec3,
+    },
     Mesh(MeshDesc),
 }
 
