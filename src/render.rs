@@ -3,7 +3,9 @@
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
 use crate::film::Tile;
-use crate::integrator::Path;
+use crate::geom::Ray;
+use crate::integrator::{Features, Path, features};
+use crate::num::Uniform;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
 use embedded_graphics::geometry::{Point, Size};
@@ -28,6 +30,7 @@ pub struct Renderer<'s, S> {
     sampler: S,
     /// Pixels done, row by row.
     done: u32,
+    rays: u32,
 }
 
 impl<'s, S: Sampler> Renderer<'s, S> {
@@ -46,6 +49,7 @@ impl<'s, S: Sampler> Renderer<'s, S> {
             settings,
             sampler,
             done: 0,
+            rays: 0,
         }
     }
 
@@ -58,14 +62,28 @@ impl<'s, S: Sampler> Renderer<'s, S> {
             let place = self.sampler.next_2d();
             let lens = self.sampler.next_2d();
             if let Some(ray) = self.film.ray(x, y, place, lens) {
-                let sample = self
-                    .integrator
-                    .radiance(self.scene, ray, &mut self.sampler)
-                    .to_q32();
+                let sample = self.radiance(ray).to_q32();
                 sum = [sum[0] + sample[0], sum[1] + sample[1], sum[2] + sample[2]];
             }
         }
         mean_q32(sum, spp)
+    }
+
+    #[inline]
+    fn radiance(&mut self, ray: Ray) -> Radiance {
+        self.integrator
+            .radiance(self.scene, ray, &mut self.sampler, &mut self.rays)
+    }
+
+    /// Rays asked of the scene so far, wrapping: nearest hits and shadow rays.
+    pub fn rays(&self) -> u32 {
+        self.rays
+    }
+
+    /// What the ray through the middle of a pixel meets first that is no mirror or glass.
+    pub fn features(&self, x: u16, y: u16) -> Option<Features> {
+        let middle = [Uniform::from_bits(1 << 31); 2];
+        features(self.scene, self.film.ray(x, y, middle, middle)?)
     }
 
     /// Renders the next tile into `strip` and returns; `None` when the picture is done.

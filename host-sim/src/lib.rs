@@ -1,7 +1,14 @@
 //! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
 
 pub mod builtin;
+pub mod cli;
+pub mod dequantise;
 pub mod desc;
 pub mod import;
+pub mod metrics;
+pub mod picture;
+pub mod primary;
 pub mod quantise;
 pub mod reference;
+pub mod run;
+pub mod show;

@@ -200,7 +200,8 @@ fn bounds(shape: &ShapeDesc) -> Vec<Vec3> {
     }
 }
 
-fn choose_unit(desc: &SceneDesc) -> (Vec3, Unit) {
+/// Corners of the box around everything finite, metres; two metres about the origin if there is nothing.
+pub fn bounds_of(desc: &SceneDesc) -> [Vec3; 2] {
     let mut low = [f64::INFINITY; 3];
     let mut high = [f64::NEG_INFINITY; 3];
     for point in desc.shapes.iter().flat_map(bounds) {
@@ -212,6 +213,11 @@ fn choose_unit(desc: &SceneDesc) -> (Vec3, Unit) {
     if low[0] > high[0] {
         (low, high) = ([-1.0; 3], [1.0; 3]);
     }
+    [low, high]
+}
+
+fn choose_unit(desc: &SceneDesc) -> (Vec3, Unit) {
+    let [low, high] = bounds_of(desc);
     let origin = [0, 1, 2].map(|i| 0.5 * (low[i] + high[i]));
     let mut reach = (0..3).map(|i| high[i] - origin[i]).fold(0.0, f64::max);
     // The camera and point lights may stand twice as far out.

@@ -16,9 +16,12 @@ pub struct Path {
     pub max_depth: u16,
     /// From this many segments on, Russian roulette may end a path.
     pub rr_depth: u16,
-    /// Lights are not seen by the camera itself.
+    /// The camera itself sees through lights that are shapes (up to 8 in a row), and no environment.
     pub hide_emitters: bool,
 }
+
+/// Emitting shapes that one camera ray may pass through.
+const HIDDEN: u8 = 8;
 
 impl Path {
     /// As Mitsuba has it: roulette from the fifth segment on.
@@ -39,7 +42,9 @@ impl Path {
     ///
     /// Draws the same numbers at each vertex whatever it finds there: light choice and roulette (1-D), place on the
     /// light (2-D), lobe (1-D), direction (2-D).
-    pub fn radiance(&self, scene: &Scene, ray: Ray, sampler: &mut impl Sampler) -> Radiance {
+    ///
+    /// `rays` counts what was asked of the scene, nearest hits and shadow rays.
+    pub fn radiance(&self, scene: &Scene, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> Radiance {
         let mut ray = ray;
         let mut sum = Radiance::BLACK;
         let mut throughput = Radiance::WHITE;
@@ -47,19 +52,27 @@ impl Path {
         // Of the direction that led here; none for the camera's and for a delta distribution's.
         let mut bsdf_pdf = Wide::ZERO;
         let mut depth = 0;
+        // How many lights a camera ray may still pass through unseen.
+        let mut hidden = if self.hide_emitters { HIDDEN } else { 0 };
         while depth < self.max_depth {
             depth += 1;
-            let visible = depth > 1 || !self.hide_emitters;
+            *rays += 1;
             let Some(hit) = scene.closest(&ray) else {
-                if visible {
+                if depth > 1 || !self.hide_emitters {
                     sum = sum.add(throughput.mul(scene.environment()));
                 }
                 break;
             };
             let vertex = scene.vertex(&ray, &hit);
+            if depth == 1 && hidden > 0 && vertex.is_emitter {
+                hidden -= 1;
+                depth = 0;
+                ray.origin = vertex.surface.leave(ray.dir);
+                continue;
+            }
 
             // Add what the surface emits, weighted against the light sample that could have found it.
-            if visible && let Some(light) = vertex.light {
+            if let Some(light) = vertex.light {
                 let weight = if bsdf_pdf.is_zero() {
                     Wide::ONE
                 } else {
@@ -75,7 +88,7 @@ impl Path {
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
             let (light, roulette) = choose(choice, scene.light_count());
             if vertex.material.is_smooth() {
-                let direct = self.sample_light(scene, &vertex, light, place);
+                let direct = self.sample_light(scene, &vertex, light, place, rays);
                 sum = sum.add(throughput.mul(direct));
             }
 
@@ -109,7 +122,14 @@ impl Path {
     /// The light that one sample of one light sends over the vertex, weighted against the BSDF sample that could have
     /// found it.
     #[inline]
-    fn sample_light(&self, scene: &Scene, vertex: &Vertex, light: u32, place: [Uniform; 2]) -> Radiance {
+    fn sample_light(
+        &self,
+        scene: &Scene,
+        vertex: &Vertex,
+        light: u32,
+        place: [Uniform; 2],
+        rays: &mut u32,
+    ) -> Radiance {
         let Some(sample) = scene.sample_light(light, vertex.surface.point, place) else {
             return Radiance::BLACK;
         };
@@ -120,6 +140,7 @@ impl Path {
             origin: vertex.surface.leave(sample.wi),
             dir: sample.wi,
         };
+        *rays += 1;
         if scene.occluded(&shadow, sample.distance) {
             return Radiance::BLACK;
         }

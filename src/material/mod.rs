@@ -92,6 +92,18 @@ impl Material {
         matches!(self, Material::Lambert { .. })
     }
 
+    /// How much of white light it gives back, by colour: what a denoiser divides by.
+    pub fn albedo(&self) -> Albedo {
+        match self {
+            Material::Black => Albedo::BLACK,
+            Material::Lambert { albedo, .. }
+            | Material::Mirror {
+                reflectance: albedo, ..
+            } => *albedo,
+            Material::Dielectric(_) => Albedo::WHITE,
+        }
+    }
+
     /// f·|cos θi| and the density with which [`Self::sample`] would draw `wi`; `None` where no light is scattered.
     #[inline]
     pub fn eval(&self, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {

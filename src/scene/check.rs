@@ -136,19 +136,20 @@ impl<'a> Scene<'a> {
                 }
             }
         }
+        let mut mesh_depth = 0;
         for (index, mesh) in parts.meshes.iter().enumerate() {
             let wrong = |error| SceneError::Mesh {
                 mesh: index as u16,
                 error,
             };
-            check_mesh(&mesh.triangles, mesh.nodes).map_err(wrong)?;
+            mesh_depth = mesh_depth.max(check_mesh(&mesh.triangles, mesh.nodes).map_err(wrong)?);
         }
         let finite = parts.shapes.get(..parts.bounded as usize).unwrap_or(&[]);
         let bounds = |i: u32| {
             let shape = finite.get(i as usize)?;
             Some(shape_bounds(shape, parts.meshes, &parts.grid).pad(SCENE_PAD))
         };
-        check_tree(finite.len(), bounds, parts.nodes).map_err(SceneError::Tree)?;
+        let depth = mesh_depth + check_tree(finite.len(), bounds, parts.nodes).map_err(SceneError::Tree)?;
         let mut light_count = 0;
         let mut environment = None;
         let mut emits = false;
@@ -190,6 +191,7 @@ impl<'a> Scene<'a> {
             parts,
             light_count,
             environment: environment.unwrap_or(Radiance::BLACK),
+            depth,
         })
     }
 }

@@ -61,6 +61,7 @@ pub struct Scene<'a> {
     /// How many lights are drawn from; an environment stands after them.
     light_count: u32,
     environment: Radiance,
+    depth: usize,
 }
 
 /// Where a ray met something.
@@ -86,6 +87,8 @@ pub struct Vertex<'a> {
     /// The light that the surface is, seen from its bright side.
     pub light: Option<u16>,
     pub emission: Radiance,
+    /// Whether the shape emits light, on this side or the other.
+    pub is_emitter: bool,
     /// The user's number for the shape.
     pub id: u16,
 }
@@ -107,6 +110,11 @@ impl<'a> Scene<'a> {
 
     pub fn parts(&self) -> &Parts<'a> {
         &self.parts
+    }
+
+    /// Levels of nodes on the longest way from the scene's root to a leaf, the mesh's own included.
+    pub fn depth(&self) -> usize {
+        self.depth
     }
 
     /// How many lights [`Self::sample_light`] draws from.
@@ -151,6 +159,7 @@ impl<'a> Scene<'a> {
             material: material.unwrap_or(&Material::Black),
             light,
             emission,
+            is_emitter: shape.is_some_and(|shape| shape.light.is_some()),
             id: shape.map_or(0, |shape| shape.id),
         }
     }

@@ -1,0 +1,430 @@
+//! What can be typed.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use microlux::film::ToneMap;
+
+use crate::desc::{IntegratorKind, SamplerKind, SceneDesc};
+use crate::picture::Layer;
+use crate::run::{MAX_SIDE, Options};
+use crate::show::DisplayKind;
+
+const EXAMPLES: &str = "\
+Examples:
+  host-sim scenes                              what there is to render
+  host-sim render spheres                      a first picture: spheres.png, and here if this is a terminal
+  host-sim render cornell --spp 16 --display rgb565 -o small.png
+                                               what a 16-bit display would show
+  host-sim compare cornell --diff diff.png     fixed point against f64, in numbers and as a picture
+  host-sim info bunny.obj                      how much flash and RAM a board needs for it
+
+Each command has its own help, with more examples: host-sim render --help";
+
+/// microlux on the host: the renderer that runs on microcontrollers, in fixed point, bit for bit the same, beside an
+/// independent f64 one that says how right it is.
+#[derive(Debug, Parser)]
+#[command(name = "host-sim", version, after_help = EXAMPLES, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    Render(RenderArgs),
+    Compare(CompareArgs),
+    Info(InfoArgs),
+    Scenes,
+}
+
+const RENDER_EXAMPLES: &str = "\
+SCENE is a built-in name (host-sim scenes lists them) or a file: .xml (Mitsuba 3), or .obj and .ply, which are framed
+and lit by default.
+
+Without -o the picture is written to NAME.png in the current directory, NAME being the scene's, over a file of that
+name if there is one, and also shown here where the standard output is a terminal.
+
+Files appear when they are complete. Ctrl-C stops the render and leaves none (exit status 130). Exit status 1 says that
+the scene or a file is wrong, 2 that the command line is.
+
+Examples:
+  host-sim render spheres --width 320 --spp 16
+  host-sim render room.xml -o room.png -o room.exr --aov albedo,normal,depth,id
+  host-sim render cornell --display mono -o e-paper.png
+  host-sim render cornell --reference --spp 1024 -o truth.exr";
+
+/// Render a scene in fixed point, as the board would.
+#[derive(Debug, Args)]
+#[command(after_help = RENDER_EXAMPLES, after_long_help = RENDER_EXAMPLES)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Write the picture; .png (8-bit sRGB), .exr or .pfm (linear light). May be given several times.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub outputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Render with the f64 reference instead.
+    #[arg(long, conflicts_with_all = ["display", "aov"])]
+    pub reference: bool,
+    /// Brighten PNG and display by this many stops (1 doubles the light); .exr and .pfm stay as they are.
+    #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]
+    pub exposure: f64,
+    /// Draw on a simulated display: tone mapped and dithered as on the board; .png is what it shows.
+    #[arg(long, value_enum)]
+    pub display: Option<DisplayArg>,
+    /// How light without bound becomes a colour, for PNG and display
+    #[arg(long, value_enum, default_value_t = ToneMapArg::Clamp, value_name = "CURVE")]
+    pub tone_map: ToneMapArg,
+    /// Add layers of the first non-specular hit to .exr: albedo.R/G/B, normal.X/Y/Z, depth.Z (metres), id.I.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYERS")]
+    pub aov: Vec<LayerArg>,
+    /// Show the picture in a window while it is made; closing the window stops the render.
+    #[cfg(feature = "window")]
+    #[arg(long)]
+    pub window: bool,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const COMPARE_EXAMPLES: &str = "\
+bias      mean of the picture over the reference's, less 1 (light above 8 counts as 8)
+rmse      root of the mean squared difference of linear light (capped as above)
+psnr      of the sRGB signals clipped to 0..1, in dB (200: equal)
+flip      mean FLIP of the same signals: 0 equal, 1 as different as can be (67 pixels a degree)
+block p95 95th percentile of the relative error of 8x8 blocks
+
+Both renders are noisy: at few samples a pixel rmse, psnr and flip show noise, not error. --reference-spp gives the
+reference more samples.
+
+--diff: .png has white where the pictures agree, red where fixed is brighter and blue where it is darker, full colour
+from 50 % on; .exr and .pfm have the signed difference of linear light.
+
+Examples:
+  host-sim compare spheres
+  host-sim compare cornell --spp 256 --reference-spp 1024 --json cornell.json --diff cornell-diff.png
+  host-sim compare cornell.xml --against mitsuba.exr";
+
+/// Render in fixed point and in f64, and say how far apart they are.
+#[derive(Debug, Args)]
+#[command(after_help = COMPARE_EXAMPLES, after_long_help = COMPARE_EXAMPLES)]
+pub struct CompareArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Samples a pixel of the f64 reference, where it shall have others than the fixed-point render.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
+    pub reference_spp: Option<u32>,
+    /// Also compare both with a picture made elsewhere, linear, of the same size.
+    #[arg(long, value_name = "IMAGE.exr")]
+    pub against: Option<PathBuf>,
+    /// Write the fixed-point picture; .png, .exr or .pfm. May be given several times.
+    #[arg(short, long = "output", value_name = "OUT")]
+    pub outputs: Vec<PathBuf>,
+    /// Write the numbers as one flat JSON object.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write the difference of the two as a picture.
+    #[arg(long, value_name = "FILE")]
+    pub diff: Option<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+const INFO_EXAMPLES: &str = "\
+Flash is what the scene's constant data take. RAM is for the given settings: a strip of the picture, the path's scratch
+and the renderer's state, without the program's own stack.
+
+Examples:
+  host-sim info cornell
+  host-sim info bunny.obj --width 240 --tile-height 4 --json bunny.json";
+
+/// Say what a scene is made of and what it needs on a board.
+#[derive(Debug, Args)]
+#[command(after_help = INFO_EXAMPLES, after_long_help = INFO_EXAMPLES)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    #[command(flatten)]
+    pub settings: Settings,
+    /// Write the numbers as one flat JSON object.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// Which scene, and how to read it.
+#[derive(Debug, Args)]
+pub struct SceneArgs {
+    /// A built-in scene, or a file: .xml (Mitsuba 3), .obj, .ply.
+    #[arg(value_name = "SCENE")]
+    pub scene: String,
+    /// Warn about what a scene file has that is not supported, and go on without it.
+    #[arg(long)]
+    pub lenient: bool,
+    /// Set a $NAME of a scene file.
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", value_parser = definition)]
+    pub definitions: Vec<(String, String)>,
+}
+
+const MAX_SPP: i64 = 1 << 16;
+
+/// What a picture depends on; what is not given is the scene's, or the default.
+#[derive(Debug, Default, Args)]
+#[command(next_help_heading = "Picture")]
+pub struct Settings {
+    /// Pixels across [default: the scene's; keeps its shape when only --height is given]
+    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub width: Option<u32>,
+    /// Pixels down [default: the scene's; keeps its shape when only --width is given]
+    #[arg(long, value_name = "H", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub height: Option<u32>,
+    /// Samples a pixel [default: the scene's, else 64]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
+    pub spp: Option<u32>,
+    /// How light is followed [default: the scene's]
+    #[arg(long, value_enum)]
+    pub integrator: Option<IntegratorArg>,
+    /// Longest path, in segments: 1 sees lights alone, 2 direct light [default: the scene's]
+    #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..=65535))]
+    pub max_depth: Option<u32>,
+    /// How samples are spread [default: stratified]
+    #[arg(long, value_enum)]
+    pub sampler: Option<SamplerArg>,
+    /// Same seed, same picture; another, another noise
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
+    /// Threads; the picture does not depend on it [default: one a core]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Rows rendered at a time: fewer need less RAM; the picture does not depend on it [default: 8]
+    #[arg(long, value_name = "ROWS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub tile_height: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IntegratorArg {
+    /// Emission and direct light
+    Direct,
+    /// All of it, bounce after bounce
+    Path,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SamplerArg {
+    /// Random
+    Independent,
+    /// One random place in each cell of a grid
+    Stratified,
+    /// A scrambled Sobol sequence
+    Sobol,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ToneMapArg {
+    /// As it is up to 1, white beyond
+    Clamp,
+    /// A film's toe and shoulder (Hable)
+    Filmic,
+}
+
+impl From<ToneMapArg> for ToneMap {
+    fn from(arg: ToneMapArg) -> Self {
+        match arg {
+            ToneMapArg::Clamp => ToneMap::Clamp,
+            ToneMapArg::Filmic => ToneMap::Filmic,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DisplayArg {
+    /// 65,536 colours, as most small TFTs
+    Rgb565,
+    /// 262,144 colours
+    Rgb666,
+    /// 16.8 million colours
+    Rgb888,
+    /// 256 greys
+    Gray8,
+    /// Black and white, as e-paper and OLEDs
+    Mono,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerArg {
+    Albedo,
+    Normal,
+    Depth,
+    Id,
+}
+
+impl Settings {
+    /// The options for a scene, where the user, the scene, the default say something, in this order.
+    pub fn options(&self, desc: &SceneDesc) -> Options {
+        let own = Options::for_scene(desc);
+        let scaled = |side: u32, of: u32, to: u32| {
+            let exact = f64::from(side) * f64::from(to) / f64::from(of.max(1));
+            (exact.round() as u32).clamp(1, MAX_SIDE)
+        };
+        let (width, height) = match (self.width, self.height) {
+            (Some(width), Some(height)) => (width, height),
+            (Some(width), None) => (width, scaled(own.height, own.width, width)),
+            (None, Some(height)) => (scaled(own.width, own.height, height), height),
+            (None, None) => (own.width, own.height),
+        };
+        Options {
+            width,
+            height,
+            spp: self.spp.unwrap_or(own.spp),
+            integrator: self.integrator.map_or(own.integrator, IntegratorKind::from),
+            max_depth: self.max_depth.or(own.max_depth),
+            sampler: self.sampler.map_or(own.sampler, SamplerKind::from),
+            seed: self.seed,
+            threads: self.threads.map_or(own.threads, usize::from),
+            tile_height: self.tile_height.unwrap_or(own.tile_height),
+            ..own
+        }
+    }
+}
+
+impl From<IntegratorArg> for IntegratorKind {
+    fn from(arg: IntegratorArg) -> Self {
+        match arg {
+            IntegratorArg::Direct => IntegratorKind::Direct,
+            IntegratorArg::Path => IntegratorKind::Path,
+        }
+    }
+}
+
+impl From<SamplerArg> for SamplerKind {
+    fn from(arg: SamplerArg) -> Self {
+        match arg {
+            SamplerArg::Independent => SamplerKind::Independent,
+            SamplerArg::Stratified => SamplerKind::Stratified,
+            SamplerArg::Sobol => SamplerKind::Sobol,
+        }
+    }
+}
+
+impl From<DisplayArg> for DisplayKind {
+    fn from(arg: DisplayArg) -> Self {
+        match arg {
+            DisplayArg::Rgb565 => DisplayKind::Rgb565,
+            DisplayArg::Rgb666 => DisplayKind::Rgb666,
+            DisplayArg::Rgb888 => DisplayKind::Rgb888,
+            DisplayArg::Gray8 => DisplayKind::Gray8,
+            DisplayArg::Mono => DisplayKind::Mono,
+        }
+    }
+}
+
+impl From<LayerArg> for Layer {
+    fn from(arg: LayerArg) -> Self {
+        match arg {
+            LayerArg::Albedo => Layer::Albedo,
+            LayerArg::Normal => Layer::Normal,
+            LayerArg::Depth => Layer::Depth,
+            LayerArg::Id => Layer::Id,
+        }
+    }
+}
+
+fn exposure(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(stops) if (-64.0..=64.0).contains(&stops) => Ok(stops),
+        _ => Err("a number of stops from -64 to 64 is wanted, such as 1.5".to_string()),
+    }
+}
+
+fn definition(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.is_empty() => Ok((name.to_string(), value.to_string())),
+        _ => Err("NAME=VALUE is wanted, such as spp=16".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn one_side_keeps_the_shape() {
+        let desc = crate::cli::tests::desc(320, 240);
+        let sides = |width, height| {
+            let options = Settings {
+                width,
+                height,
+                ..Settings::default()
+            }
+            .options(&desc);
+            (options.width, options.height)
+        };
+        assert_eq!(sides(None, None), (320, 240));
+        assert_eq!(sides(Some(160), None), (160, 120));
+        assert_eq!(sides(None, Some(480)), (640, 480));
+        assert_eq!(sides(Some(7), Some(9)), (7, 9));
+        assert_eq!(sides(Some(1), None), (1, 1));
+    }
+
+    #[test]
+    fn the_users_word_goes_before_the_scenes() {
+        let mut desc = crate::cli::tests::desc(4, 4);
+        desc.spp = Some(17);
+        let line = [
+            "host-sim",
+            "render",
+            "x",
+            "--max-depth",
+            "3",
+            "--sampler",
+            "sobol",
+            "--seed",
+            "9",
+        ];
+        let Command::Render(args) = Cli::parse_from(line).command else {
+            panic!()
+        };
+        let options = args.settings.options(&desc);
+        assert_eq!((options.spp, options.max_depth, options.seed), (17, Some(3), 9));
+        assert_eq!(options.sampler, SamplerKind::Sobol);
+        let options = Settings {
+            spp: Some(2),
+            ..Settings::default()
+        }
+        .options(&desc);
+        assert_eq!((options.spp, options.sampler), (2, SamplerKind::Stratified));
+    }
+
+    #[test]
+    fn several_outputs_and_layers() {
+        let line = [
+            "host-sim",
+            "render",
+            "x",
+            "-o",
+            "a.png",
+            "-o",
+            "a.exr",
+            "--aov",
+            "depth,id",
+            "--exposure",
+            "-1.5",
+        ];
+        let Command::Render(args) = Cli::parse_from(line).command else {
+            panic!()
+        };
+        assert_eq!(args.outputs.len(), 2);
+        assert_eq!(args.aov, [LayerArg::Depth, LayerArg::Id]);
+        assert_eq!(args.exposure, -1.5);
+    }
+}

@@ -1,0 +1,186 @@
+//! The core's scene back in f64, exactly as its integers say: what the reference renders.
+
+use crate::quantise::{CoreScene, QuantiseError};
+use crate::reference;
+use crate::reference::{Camera, Geometry, Lens, Light, Material, Mesh, Shape, Vec3, vec3};
+use microlux::color::{Albedo, Radiance};
+use microlux::geom::{Dir, Point};
+use std::sync::Arc;
+
+/// From units of the scene frame to metres.
+pub struct Frame {
+    origin: [f64; 3],
+    /// Metres a unit.
+    step: f64,
+}
+
+impl Frame {
+    pub fn of(core: &CoreScene) -> Frame {
+        Frame {
+            origin: core.origin,
+            step: f64::from(-core.unit.fraction_bits()).exp2(),
+        }
+    }
+
+    pub fn point(&self, Point(p): Point) -> Vec3 {
+        let [x, y, z] = [0, 1, 2].map(|i| self.origin[i] + self.length(p[i]));
+        vec3(x, y, z)
+    }
+
+    pub fn length(&self, units: i32) -> f64 {
+        f64::from(units) * self.step
+    }
+}
+
+/// A direction as its components stand: of length 1 but for rounding.
+pub fn dir(Dir(d): Dir) -> Vec3 {
+    let [x, y, z] = d.map(|c| f64::from(c) / 65536.0);
+    vec3(x, y, z)
+}
+
+/// A normalised direction.
+fn unit(d: Dir) -> Vec3 {
+    let v = dir(d);
+    let length = (v.x * v.x + v.y * v.y + v.z * v.z).sqrt();
+    vec3(v.x / length, v.y / length, v.z / length)
+}
+
+pub fn albedo(Albedo(a): Albedo) -> [f64; 3] {
+    a.map(|c| f64::from(c.to_bits()) / 32768.0)
+}
+
+pub fn radiance(light: Radiance) -> [f64; 3] {
+    let (mantissa, exponent) = light.to_parts();
+    mantissa.map(|m| f64::from(m) * f64::from(i32::from(exponent) - 15).exp2())
+}
+
+/// The whole scene. The core's order of shapes is kept; `id` is the number in the file.
+pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
+    let meshes = core.meshes();
+    let checked = core.scene(&meshes)?;
+    let parts = checked.parts();
+    let frame = Frame::of(core);
+    let lights = parts.lights;
+    let emission = |index: u16| match lights[index as usize] {
+        microlux::light::Light::Area { radiance: r, .. } => Some(radiance(r).into()),
+        _ => None,
+    };
+    let shapes = parts.shapes.iter().map(|shape| Shape {
+        geometry: geometry(&frame, &shape.geometry, parts.meshes),
+        material: shape.material as usize,
+        emission: shape.light.and_then(emission),
+        id: u32::from(shape.id),
+    });
+    let [right, up, forward] = core.camera.frame().map(unit);
+    let (aperture, focus) = core.camera.lens();
+    Ok(reference::Scene {
+        camera: Camera {
+            origin: frame.point(core.camera.origin()),
+            right,
+            up,
+            forward,
+            fov_x: core.camera.half_width().to_num::<f64>().atan().to_degrees() * 2.0,
+            lens: core.camera.has_lens().then(|| Lens {
+                aperture_radius: frame.length(aperture),
+                focus_distance: frame.length(focus),
+            }),
+        },
+        shapes: shapes.collect(),
+        materials: parts.materials.iter().map(material).collect(),
+        lights: lights
+            .iter()
+            .filter_map(|light| free_light(&frame, light))
+            .collect(),
+    })
+}
+
+fn geometry(
+    frame: &Frame,
+    geometry: &microlux::shape::Geometry,
+    meshes: &[microlux::scene::Mesh],
+) -> Geometry {
+    use microlux::shape::Geometry as Core;
+    match *geometry {
+        Core::Sphere(s) => Geometry::Sphere {
+            center: frame.point(s.center),
+            radius: frame.length(s.radius),
+        },
+        Core::Plane(p) => Geometry::Plane {
+            point: frame.point(p.point),
+            normal: dir(p.normal),
+        },
+        Core::Disk(d) => Geometry::Disk {
+            center: frame.point(d.center),
+            normal: dir(d.normal),
+            radius: frame.length(d.radius),
+        },
+        Core::Rectangle(r) => {
+            let side = |d: Dir, half: i32| {
+                let (d, half) = (unit(d), frame.length(half));
+                vec3(d.x * half, d.y * half, d.z * half)
+            };
+            Geometry::Rectangle {
+                center: frame.point(r.center),
+                u: side(r.u, r.half[0]),
+                v: side(r.v, r.half[1]),
+            }
+        }
+        Core::Mesh(index) => {
+            let mesh = &meshes[index as usize].triangles;
+            let vertices = mesh
+                .vertices
+                .iter()
+                .map(|v| frame.point(mesh.grid.to_scene(*v)))
+                .collect();
+            let triangles = mesh.triangles.iter().map(|t| t.map(u32::from)).collect();
+            Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, Vec::new())))
+        }
+    }
+}
+
+fn material(material: &microlux::material::Material) -> Material {
+    use microlux::material::Material as Core;
+    match *material {
+        Core::Black => Material::Black,
+        Core::Lambert { albedo: a, two_sided } => Material::Diffuse {
+            reflectance: albedo(a).into(),
+            two_sided,
+        },
+        Core::Mirror {
+            reflectance,
+            two_sided,
+        } => Material::Mirror {
+            reflectance: albedo(reflectance).into(),
+            two_sided,
+        },
+        Core::Dielectric(d) => {
+            let (reflectance, transmittance) = d.tints();
+            Material::Dielectric {
+                eta: d.eta().to_num(),
+                specular_reflectance: albedo(reflectance).into(),
+                specular_transmittance: albedo(transmittance).into(),
+            }
+        }
+    }
+}
+
+fn free_light(frame: &Frame, light: &microlux::light::Light) -> Option<Light> {
+    use microlux::light::Light as Core;
+    match *light {
+        Core::Point { position, intensity } => Some(Light::Point {
+            position: frame.point(position),
+            intensity: radiance(intensity).into(),
+        }),
+        Core::Directional {
+            direction,
+            irradiance,
+        } => Some(Light::Directional {
+            direction: dir(direction),
+            irradiance: radiance(irradiance).into(),
+        }),
+        Core::Area { .. } => None,
+        Core::Environment { radiance: r } => Some(Light::Constant {
+            radiance: radiance(r).into(),
+        }),
+    }
+}

@@ -1,0 +1,28 @@
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+
+/// 8-bit RGB.
+pub fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>, String> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(
+            pixels.as_flattened(),
+            width as u32,
+            height as u32,
+            ExtendedColorType::Rgb8,
+        )
+        .map_err(|error| error.to_string())?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn what_is_written_is_read() {
+        let pixels: Vec<[u8; 3]> = (0..12).map(|i| [i * 20, 255 - i, i]).collect();
+        let bytes = super::encode(4, 3, &pixels).unwrap();
+        let read = image::load_from_memory(&bytes).unwrap().into_rgb8();
+        assert_eq!(read.dimensions(), (4, 3));
+        assert_eq!(read.as_raw().as_slice(), pixels.as_flattened());
+    }
+}

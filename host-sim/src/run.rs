@@ -1,0 +1,410 @@
+//! One render of a scene: what may be asked for, what comes back, and the three questions put to it.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::Instant;
+
+use crate::dequantise::{self, Frame};
+use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
+use crate::quantise::{self, CoreScene, QuantiseError};
+use crate::show::{self, DisplayKind, Look};
+use crate::{primary, reference};
+use embedded_graphics::geometry::{Point, Size};
+use embedded_graphics::primitives::Rectangle;
+use microlux::bvh::Node;
+use microlux::color::Radiance;
+use microlux::film::Tile;
+use microlux::integrator::Path;
+use microlux::render::{Renderer, Settings};
+use microlux::sampler::{AnySampler, Independent, Sampler, Sobol, Stratified};
+use microlux::scene::Mesh;
+use rayon::prelude::*;
+
+pub use crate::picture::{Aov, Picture};
+pub use crate::primary::PrimaryReport;
+
+/// Samples a pixel where neither the scene nor the user names a number.
+pub const DEFAULT_SPP: u32 = 64;
+/// Rows rendered at a time where the user names no number.
+pub const DEFAULT_TILE_HEIGHT: u32 = 8;
+/// Widest and highest picture, in pixels: three `f32` each still fit into 1 GiB.
+pub const MAX_SIDE: u32 = 8192;
+
+/// Everything a render depends on beside the scene. The picture depends on all but `threads` and `tile_height`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    pub width: u32,
+    pub height: u32,
+    /// Samples a pixel.
+    pub spp: u32,
+    pub integrator: IntegratorKind,
+    /// Paths of at most this many segments; `None`: roulette alone ends them.
+    pub max_depth: Option<u32>,
+    pub sampler: SamplerKind,
+    pub seed: u32,
+    pub threads: usize,
+    /// Rows rendered at a time.
+    pub tile_height: u32,
+    /// Exposure and tone map of display and PNG; `Picture::rgb` is left as it is.
+    pub look: Look,
+    /// The display that `Picture::display` is drawn on; plain sRGB if there is none.
+    pub display: Option<DisplayKind>,
+    /// Whether `Picture::aov` is wanted.
+    pub aov: bool,
+}
+
+impl Options {
+    /// What the scene asks for, else the defaults: 64 samples a pixel, stratified, seed 0, every core, 8 rows a tile.
+    pub fn for_scene(desc: &SceneDesc) -> Options {
+        Options {
+            width: desc.width,
+            height: desc.height,
+            spp: desc.spp.unwrap_or(DEFAULT_SPP),
+            integrator: desc.integrator.kind,
+            max_depth: desc.integrator.max_depth,
+            sampler: SamplerKind::Stratified,
+            seed: 0,
+            threads: std::thread::available_parallelism().map_or(1, usize::from),
+            tile_height: DEFAULT_TILE_HEIGHT,
+            look: Look::default(),
+            display: None,
+            aov: false,
+        }
+    }
+}
+
+/// What a render cost.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stats {
+    /// Rays asked of the scene: nearest hits and shadow tests together.
+    pub rays: u64,
+    /// Wall clock of the rendering alone.
+    pub seconds: f64,
+}
+
+impl Stats {
+    /// 0 where no time could be measured.
+    pub fn rays_per_second(&self) -> f64 {
+        if self.seconds > 0.0 {
+            self.rays as f64 / self.seconds
+        } else {
+            0.0
+        }
+    }
+}
+
+/// Where a render tells how far it is. Called from any thread, tiles in any order.
+pub trait Progress: Sync {
+    /// So far `done` of `total` tiles are ready and `rays` rays were traced.
+    fn advance(&self, done: usize, total: usize, rays: u64);
+
+    /// Whether [`Self::rows`] should be called.
+    fn wants_rows(&self) -> bool {
+        false
+    }
+
+    /// Rows from `first_row` on as the display shows them (plain sRGB without one), for a live picture.
+    fn rows(&self, _first_row: usize, _rgb8: &[[u8; 3]]) {}
+}
+
+/// Tells nobody.
+impl Progress for () {
+    fn advance(&self, _done: usize, _total: usize, _rays: u64) {}
+}
+
+/// Why there is no picture.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Error {
+    /// `cancel` was set; it is looked at before every tile.
+    #[error("stopped")]
+    Cancelled,
+    /// The scene cannot be rendered: one line that names the offender and what would have been right.
+    #[error("{0}")]
+    Scene(String),
+}
+
+/// What a scene is made of once it is in the core's formats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Info {
+    /// Primitives and instances of the scene itself.
+    pub shapes: usize,
+    pub meshes: usize,
+    /// Triangles of all meshes.
+    pub triangles: usize,
+    pub materials: usize,
+    pub lights: usize,
+    /// BVH nodes of the scene and of its meshes.
+    pub nodes: usize,
+    /// Levels of the deepest way from the scene's root to a leaf.
+    pub bvh_depth: usize,
+    /// Corners of the box around everything finite, metres.
+    pub bounds: [Vec3; 2],
+    /// Metres of one step of the scene frame.
+    pub unit: f64,
+    /// Number formats by role, such as `("position", "i32, 2^-20 m")`.
+    pub formats: Vec<(&'static str, String)>,
+    /// Constant data (flash) by part.
+    pub bytes_geometry: usize,
+    pub bytes_bvh: usize,
+    pub bytes_normals: usize,
+    /// Materials, lights, and what else the parts above leave out.
+    pub bytes_rest: usize,
+    /// RAM by part for the given options, such as `("tile", 11520)`.
+    pub ram: Vec<(&'static str, usize)>,
+}
+
+impl Info {
+    pub fn bytes_total(&self) -> usize {
+        self.bytes_geometry + self.bytes_bvh + self.bytes_normals + self.bytes_rest
+    }
+
+    pub fn ram_bytes(&self) -> usize {
+        self.ram.iter().map(|&(_, bytes)| bytes).sum()
+    }
+}
+
+/// The picture as the board computes it: fixed point throughout.
+pub fn render_fixed(
+    desc: &SceneDesc,
+    options: &Options,
+    progress: &dyn Progress,
+    cancel: &AtomicBool,
+) -> Result<(Picture, Stats), Error> {
+    let core = CoreScene::new(desc)?;
+    let meshes = core.meshes();
+    let scene = core.scene(&meshes)?;
+    let settings = settings(options);
+    let path = integrator(desc, options);
+    let sampler = sampler(options)?;
+    let renderer = || Renderer::new(&scene, core.camera, path, sampler.clone(), settings);
+    let tile_pixels = options.width * options.tile_height.max(1);
+    let tiles = options.height.div_ceil(options.tile_height.max(1));
+    let (done, rays) = (AtomicUsize::new(0), AtomicU64::new(0));
+    let started = Instant::now();
+    let render_tile = |number: u32| {
+        if cancel.load(Ordering::Relaxed) {
+            return Err(Error::Cancelled);
+        }
+        let mut renderer = renderer();
+        let Some(area) = renderer.area(number * tile_pixels, tile_pixels) else {
+            return Ok(Vec::new());
+        };
+        let mut strip = vec![Radiance::BLACK; tile_pixels as usize];
+        let pixels = renderer.tile(area, &mut strip).pixels.len();
+        strip.truncate(pixels);
+        let rays = rays.fetch_add(u64::from(renderer.rays()), Ordering::Relaxed) + u64::from(renderer.rays());
+        progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, tiles as usize, rays);
+        if progress.wants_rows() {
+            let tile = Tile { area, pixels: &strip };
+            let shown = show::tiles(options.width, [tile], options.display, options.look);
+            progress.rows(area.top_left.y as usize, &shown);
+        }
+        Ok(strip)
+    };
+    let strips: Vec<Vec<Radiance>> = pool(options.threads)?.install(|| {
+        (0..tiles)
+            .into_par_iter()
+            .map(render_tile)
+            .collect::<Result<_, _>>()
+    })?;
+    let stats = Stats {
+        rays: rays.into_inner(),
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    let pixels = strips.concat();
+    let rgb = pixels
+        .iter()
+        .map(|p| dequantise::radiance(*p).map(|c| c as f32))
+        .collect();
+    let aov = if options.aov {
+        Some(layers(&core, &renderer(), options))
+    } else {
+        None
+    };
+    let size = Size::new(options.width, options.height);
+    let whole = Tile { area: Rectangle::new(Point::zero(), size), pixels: &pixels };
+    let display = Some(show::tiles(options.width, [whole], options.display, options.look));
+    let picture = Picture {
+        width: options.width as usize,
+        height: options.height as usize,
+        rgb,
+        aov,
+        display,
+    };
+    Ok((picture, stats))
+}
+
+/// The picture as the independent f64 renderer sees it; without `aov` and `display`.
+///
+/// It renders the scene as the core's integers say it.
+pub fn render_reference(
+    desc: &SceneDesc,
+    options: &Options,
+    progress: &dyn Progress,
+    cancel: &AtomicBool,
+) -> Result<(Picture, Stats), Error> {
+    let scene = dequantise::scene(&CoreScene::new(desc)?)?;
+    let path = integrator(desc, options);
+    let settings = reference::Settings {
+        width: options.width,
+        height: options.height,
+        spp: options.spp,
+        max_depth: (path.max_depth < UNLIMITED).then_some(u32::from(path.max_depth)),
+        rr_depth: u32::from(path.rr_depth),
+        hide_emitters: path.hide_emitters,
+        seed: u64::from(options.seed),
+        ..reference::Settings::default()
+    };
+    let rows = options.height as usize;
+    let started = Instant::now();
+    let rendering = pool(options.threads)?
+        .install(|| reference::render(&scene, &settings, &|done| progress.advance(done, rows, 0), cancel))
+        .ok_or(Error::Cancelled)?;
+    let stats = Stats {
+        rays: rendering.rays,
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    let rgb = rendering
+        .image
+        .pixels
+        .iter()
+        .map(|p| p.map(|c| c as f32))
+        .collect();
+    let (width, height) = (options.width as usize, options.height as usize);
+    Ok((
+        Picture {
+            width,
+            height,
+            rgb,
+            aov: None,
+            display: None,
+        },
+        stats,
+    ))
+}
+
+/// A grid of primary rays through each pixel, in both arithmetics.
+pub fn compare_primary_rays(
+    desc: &SceneDesc,
+    options: &Options,
+    cancel: &AtomicBool,
+) -> Result<PrimaryReport, Error> {
+    let core = CoreScene::new(desc)?;
+    let compare = || primary::compare(&core, options.width, options.height, cancel);
+    pool(options.threads)?.install(compare)?.ok_or(Error::Cancelled)
+}
+
+/// What the scene becomes in the core's formats, and the RAM that rendering it with these options takes.
+pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
+    let core = CoreScene::new(desc)?;
+    let meshes = core.meshes();
+    let scene = core.scene(&meshes)?;
+    let parts = scene.parts();
+    let mesh_nodes: usize = meshes.iter().map(|mesh| mesh.nodes.len()).sum();
+    let nodes = parts.nodes.len() + mesh_nodes;
+    let mesh_bytes = |m: &Mesh| size_of_val(m.triangles.vertices) + size_of_val(m.triangles.triangles);
+    let bits = core.unit.fraction_bits();
+    let renderer = Renderer::new(
+        &scene,
+        core.camera,
+        integrator(desc, options),
+        sampler(options)?,
+        settings(options),
+    );
+    Ok(Info {
+        shapes: parts.shapes.len(),
+        meshes: meshes.len(),
+        triangles: meshes.iter().map(|mesh| mesh.triangles.triangles.len()).sum(),
+        materials: parts.materials.len(),
+        lights: parts.lights.len(),
+        nodes,
+        bvh_depth: scene.depth(),
+        bounds: quantise::bounds_of(desc),
+        unit: f64::from(-bits).exp2(),
+        formats: vec![
+            ("position", format!("i32, steps of 2^{} m", -bits)),
+            ("mesh vertex", "3 × u16 in the mesh's own cube".to_string()),
+            ("direction", "3 × I16F16".to_string()),
+            ("radiance", "3 × u16 mantissa, i16 exponent".to_string()),
+            ("density", "u16 mantissa, i16 exponent".to_string()),
+        ],
+        bytes_geometry: size_of_val(parts.shapes) + meshes.iter().map(mesh_bytes).sum::<usize>(),
+        bytes_bvh: nodes * size_of::<Node>(),
+        bytes_normals: 0,
+        bytes_rest: size_of_val(parts.materials) + size_of_val(parts.lights) + size_of_val(&scene),
+        ram: vec![
+            (
+                "tile",
+                (options.width * options.tile_height) as usize * size_of::<Radiance>(),
+            ),
+            ("renderer", size_of_val(&renderer)),
+        ],
+    })
+}
+
+fn settings(options: &Options) -> Settings {
+    Settings {
+        width: options.width as u16,
+        height: options.height as u16,
+        spp: options.spp,
+    }
+}
+
+/// Segments that no path reaches: roulette ends it long before.
+const UNLIMITED: u16 = u16::MAX;
+
+fn integrator(desc: &SceneDesc, options: &Options) -> Path {
+    let max_depth = match options.integrator {
+        IntegratorKind::Direct => 2,
+        IntegratorKind::Path => options
+            .max_depth
+            .map_or(UNLIMITED, |depth| depth.min(u32::from(UNLIMITED)) as u16),
+    };
+    let rr_depth = desc.integrator.rr_depth.min(u32::from(u16::MAX)) as u16;
+    Path {
+        max_depth,
+        rr_depth,
+        hide_emitters: desc.integrator.hide_emitters,
+    }
+}
+
+fn sampler(options: &Options) -> Result<AnySampler, Error> {
+    Ok(match options.sampler {
+        SamplerKind::Independent => Independent::new(options.seed).into(),
+        SamplerKind::Stratified => Stratified::new(options.seed, options.spp).into(),
+        SamplerKind::Sobol => Sobol::new(options.seed).into(),
+        SamplerKind::Cmj => {
+            return Err(Error::Scene(
+                "there is no sampler cmj yet; take stratified or sobol".into(),
+            ));
+        }
+    })
+}
+
+fn pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| Error::Scene(format!("{threads} threads: {error}")))
+}
+
+fn layers<S: Sampler>(core: &CoreScene, renderer: &Renderer<S>, options: &Options) -> Aov {
+    let frame = Frame::of(core);
+    let mut aov = Aov::default();
+    for y in 0..options.height as u16 {
+        for x in 0..options.width as u16 {
+            let found = renderer.features(x, y);
+            let normal = found.map_or([0.0; 3], |f| f.normal.0.map(|c| c as f32 / 65536.0));
+            aov.albedo
+                .push(found.map_or([0.0; 3], |f| dequantise::albedo(f.albedo).map(|c| c as f32)));
+            aov.normal.push(normal);
+            aov.depth
+                .push(found.map_or(0.0, |f| frame.length(f.depth) as f32));
+            aov.id.push(found.map_or(0, |f| u32::from(f.id) + 1));
+        }
+    }
+    aov
+}
+
+impl From<QuantiseError> for Error {
+    fn from(error: QuantiseError) -> Error {
+        Error::Scene(error.to_string())
+    }
+}

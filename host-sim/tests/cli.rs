@@ -1,0 +1,136 @@
+//! The program from outside: what is wrong is told in one line, before anything is rendered or written.
+
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+
+fn host_sim(folder: &tempfile::TempDir) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+    command.current_dir(folder);
+    command
+}
+
+/// Runs `host-sim ARGS`, which must end with status 1, one line on the standard error, and no file.
+fn told(args: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let assert = host_sim(&folder).args(args).assert().code(1).stdout(is_empty());
+    let line = String::from_utf8(assert.get_output().stderr.clone()).unwrap();
+    assert!(
+        line.starts_with("error: ") && line.ends_with('\n') && line.lines().count() == 1,
+        "{line}"
+    );
+    assert_eq!(
+        std::fs::read_dir(&folder).unwrap().count(),
+        0,
+        "a file was left behind"
+    );
+    line
+}
+
+/// Runs `host-sim ARGS`, which must end with status 2 and say `what` on the standard error.
+fn usage(args: &[&str], what: &str) {
+    let folder = tempfile::tempdir().unwrap();
+    host_sim(&folder)
+        .args(args)
+        .assert()
+        .code(2)
+        .stdout(is_empty())
+        .stderr(contains(what));
+    assert_eq!(
+        std::fs::read_dir(&folder).unwrap().count(),
+        0,
+        "a file was left behind"
+    );
+}
+
+#[test]
+fn wrong_usage_is_status_2() {
+    usage(&["rendr", "spheres"], "render");
+    usage(&["render"], "<SCENE>");
+    usage(&["render", "spheres", "--width", "0"], "0 is not in 1..=8192");
+    usage(&["render", "spheres", "--width", "wide"], "invalid value 'wide'");
+    usage(
+        &["render", "spheres", "--height", "8193"],
+        "8193 is not in 1..=8192",
+    );
+    usage(&["render", "spheres", "--spp", "-1"], "-1");
+    usage(
+        &["render", "spheres", "--integrator", "pth"],
+        "a similar value exists: 'path'",
+    );
+    usage(&["render", "spheres", "--sampler", "halton"], "independent");
+    usage(&["render", "spheres", "--display", "rgb"], "rgb565");
+    usage(&["render", "spheres", "--aov", "depth,colour"], "albedo");
+    usage(
+        &["render", "spheres", "--exposure", "bright"],
+        "a number of stops",
+    );
+    usage(
+        &["render", "spheres", "--reference", "--display", "mono"],
+        "cannot be used with",
+    );
+    usage(&["render", "a.xml", "-D", "spp"], "NAME=VALUE is wanted");
+    usage(&["compare", "spheres", "--reference-spp", "0"], "0 is not in");
+    usage(&[], "Usage");
+}
+
+#[test]
+fn layers_need_a_file_that_can_hold_them() {
+    usage(
+        &["render", "spheres", "--aov", "depth", "-o", "a.png"],
+        "--aov writes its layers into an .exr file",
+    );
+}
+
+#[test]
+fn help_is_for_newcomers() {
+    let folder = tempfile::tempdir().unwrap();
+    host_sim(&folder)
+        .arg("--help")
+        .assert()
+        .success()
+        .stdout(contains("Examples:").and(contains("spheres.png")));
+    for command in ["render", "compare", "info"] {
+        let help = host_sim(&folder).args([command, "--help"]).assert().success();
+        help.stdout(contains("Examples:").and(contains("--max-depth")));
+    }
+    host_sim(&folder)
+        .arg("--version")
+        .assert()
+        .success()
+        .stdout(contains(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn scenes_are_listed_a_line_each() {
+    let folder = tempfile::tempdir().unwrap();
+    let assert = host_sim(&folder)
+        .arg("scenes")
+        .assert()
+        .success()
+        .stderr(is_empty());
+    let text = String::from_utf8(assert.get_output().stdout.clone()).unwrap();
+    assert!(text.lines().any(|line| line.starts_with("spheres ")), "{text}");
+    assert!(
+        text.lines().all(|line| line.split_whitespace().count() > 2),
+        "{text}"
+    );
+}
+
+#[test]
+fn an_unknown_scene_is_told_with_the_nearest_name() {
+    for command in ["render", "compare", "info"] {
+        let line = told(&[command, "sphres"]);
+        assert_eq!(
+            line,
+            "error: sphres: no such built-in scene; did you mean spheres?\n"
+        );
+    }
+    assert!(told(&["render", "qwertyuiop"]).contains("host-sim scenes"));
+}
+
+#[test]
+fn a_missing_file_is_told_by_its_name() {
+    assert!(told(&["render", "missing.xml"]).starts_with("error: missing.xml: "));
+    assert!(told(&["info", "folder/missing.obj"]).starts_with("error: folder/missing.obj: "));
+}
