@@ -1,6 +1,7 @@
 //! Top-down, by the binned surface area heuristic, in place: primitives are reordered, nodes written where they stay.
 //!
-//! A node splits the largest of its parts until there are four or all fit a leaf. Its leaves then move to the front
+//! A node splits the part where that spares most until there are four, or only leaves that are well as they are. Its
+//! leaves then move to the front
 //! of its range, so that all primitives of a subtree are neighbours and, taken depth first, leaves before nodes,
 //! their order is that of the array ([`super::check_mesh`] relies on it). Near the last level parts are halved by
 //! count instead, which bounds the depth.
@@ -12,21 +13,23 @@ use heapless::Vec;
 
 /// Most primitives in a leaf.
 pub(crate) const LEAF: u32 = 4;
-const BINS: usize = 16;
+const BINS: usize = 32;
+/// 16-bit indices but for the last, by which a traversal says "none".
+const MAX_NODES: u32 = u16::MAX as u32;
 /// Pending nodes: three a level beside the one at hand.
 const JOBS: usize = 3 * MAX_DEPTH + 1;
 
 /// The memory was too little.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BuildError {
-    /// Nodes that are enough for so many primitives. (At most 65536 can be used, whatever the memory.)
+    /// Nodes that are enough for so many primitives. (At most 65535 can be used, whatever the memory.)
     pub needed: usize,
 }
 
 /// Nodes that are enough for `primitives`.
 ///
 /// A node that has inner children has four children, and a leaf beside them holds one primitive at least; a node
-/// that has none holds five at least (but for the root). So L nodes of the second kind and M of the first hold
+/// that has none holds five primitives at least (but for the root). So L nodes of the second kind and M of the first hold
 /// 5 L + 4 M − (L + M − 1) primitives or more, which is 3 (L + M) + 2 or more.
 pub const fn max_nodes(primitives: usize) -> usize {
     if primitives < 8 { 1 } else { (primitives - 2) / 3 }
@@ -82,7 +85,7 @@ impl Primitives for Triangles<'_> {
         let triangle = self.triangles.get(i as usize);
         triangle
             .and_then(|&t| corners(self.vertices, t))
-            .map_or(Bounds::EMPTY, |c| Bounds::of(&c))
+            .map_or(Bounds::EMPTY, |c| Bounds::of(&c.map(|v| *v)))
     }
 
     fn swap(&mut self, i: u32, j: u32) {
@@ -173,7 +176,7 @@ fn build<P: Primitives>(p: &mut P, pad: u16, nodes: &mut [Node]) -> Result<usize
             };
             node.set(slot, part.bounds.pad(pad), meta);
         }
-        if used > 1 << 16 || used as usize > nodes.len() {
+        if used > MAX_NODES || used as usize > nodes.len() {
             return Err(small);
         }
         *nodes.get_mut(job.node as usize).ok_or(small)? = node;
@@ -204,30 +207,60 @@ fn divide<P: Primitives>(p: &mut P, job: &Job) -> Vec<Part, 4> {
     let mut parts: Vec<Part, 4> = Vec::new();
     parts.extend([whole]);
     while parts.len() < 4 {
-        let size = |part: &Part| {
+        let choice = |part| {
             if by_count {
-                part.count as u64
+                Choice::by_count(part)
             } else {
-                area(part.bounds) + 1
+                Choice::new(p, part, area(whole.bounds))
             }
         };
-        let inner = parts
+        let Some(best) = parts
             .iter_mut()
-            .filter(|part| !part.is_leaf())
-            .max_by_key(|part| size(part));
-        let Some(part) = inner else {
+            .filter_map(choice)
+            .max_by_key(|choice| choice.gain)
+        else {
             break;
         };
-        let middle = match Split::best(p, part) {
-            Some(split) if !by_count => split.apply(p, part),
-            _ => halve(p, part),
+        let middle = match best.split {
+            Some(split) => split.apply(p, best.part),
+            None => halve(p, best.part),
         };
-        let right = cut(p, part, middle);
+        let right = cut(p, best.part, middle);
         parts.extend([right]);
     }
-    split_leaves(p, &mut parts, area(whole.bounds));
     leaves_first(p, &mut parts);
     parts
+}
+
+/// A part that may be split next.
+struct Choice<'a> {
+    part: &'a mut Part,
+    /// In halves by count if there is none.
+    split: Option<Split>,
+    gain: u64,
+}
+
+impl<'a> Choice<'a> {
+    /// Surface times primitives that the best split spares, for each leaf's worth of primitives (the work a subtree
+    /// causes grows far slower than its size). Leaves only where a box more costs less than it spares: it is tested
+    /// for each ray that meets the node, a primitive (five times the work) for each that meets the leaf.
+    fn new(p: &impl Primitives, part: &'a mut Part, node_area: u64) -> Option<Choice<'a>> {
+        let split = Split::best(p, part);
+        let before = area(part.bounds) * part.count as u64;
+        let spared = split.map_or(0, |split| before.saturating_sub(split.cost));
+        let gain = spared * LEAF as u64 / part.count.max(LEAF) as u64;
+        (!part.is_leaf() || 5 * gain > node_area).then_some(Choice { part, split, gain })
+    }
+
+    /// The largest first, no leaves.
+    fn by_count(part: &'a mut Part) -> Option<Choice<'a>> {
+        let gain = part.count as u64;
+        (!part.is_leaf()).then_some(Choice {
+            part,
+            split: None,
+            gain,
+        })
+    }
 }
 
 /// Keep what is before `middle`, answer the rest.
@@ -235,27 +268,6 @@ fn cut(p: &impl Primitives, part: &mut Part, middle: u32) -> Part {
     let right = Part::new(p, middle, part.first + part.count - middle);
     *part = Part::new(p, part.first, middle - part.first);
     right
-}
-
-/// Spend free slots on leaves where a box more costs less than the primitives it spares.
-///
-/// A box is tested for each ray that meets the node, a primitive (five times the work) for each that meets its leaf.
-fn split_leaves<P: Primitives>(p: &mut P, parts: &mut Vec<Part, 4>, node_area: u64) {
-    while parts.len() < 4 {
-        let gain =
-            |part: &Part, split: &Split| (area(part.bounds) * part.count as u64).saturating_sub(split.cost);
-        let candidates = parts.iter_mut().filter(|part| part.is_leaf());
-        let splits =
-            candidates.filter_map(|part| Split::best(p, part).map(|split| (gain(part, &split), part, split)));
-        match splits.max_by_key(|(gain, _, _)| *gain) {
-            Some((gain, part, split)) if 5 * gain > node_area => {
-                let middle = split.apply(p, part);
-                let right = cut(p, part, middle);
-                parts.extend([right]);
-            }
-            _ => break,
-        }
-    }
 }
 
 /// Order the parts as the array has them, leaves before the others, moving primitives as needed.
@@ -332,15 +344,15 @@ impl Split {
             bin: 0,
             cost: u64::MAX,
         };
-        let mut bins = [(Bounds::EMPTY, 0u64); BINS];
+        let mut bins = [(Bounds::EMPTY, 0u32); BINS];
         for i in part.first..part.first + part.count {
             let bounds = p.bounds(i);
             if let Some((b, n)) = bins.get_mut(split.bin_of(bounds)) {
                 (*b, *n) = (b.union(bounds), *n + 1);
             }
         }
-        let cost = |(b, n): (Bounds, u64)| area(b) * n;
-        let join = |(a, n): (Bounds, u64), &(b, m): &(Bounds, u64)| (a.union(b), n + m);
+        let cost = |(b, n): (Bounds, u32)| area(b) * n as u64;
+        let join = |(a, n): (Bounds, u32), &(b, m): &(Bounds, u32)| (a.union(b), n + m);
         // Left to right the cost of the left side, then right to left that of the right.
         let mut left_costs = [0; BINS];
         let mut left = (Bounds::EMPTY, 0);

@@ -92,9 +92,8 @@ pub(crate) fn check_tree(
     }
     while let Some(job) = jobs.pop() {
         let index = job.node as u32;
-        let node = nodes
-            .get(job.node as usize)
-            .ok_or(CheckError::NoNode { node: index })?;
+        let node = nodes.get(job.node as usize).filter(|_| job.node < u16::MAX);
+        let node = node.ok_or(CheckError::NoNode { node: index })?;
         if job.level as usize > MAX_DEPTH {
             return Err(CheckError::TooDeep { node: index });
         }

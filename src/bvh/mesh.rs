@@ -113,7 +113,8 @@ impl Visitor for Nearest<'_> {
         self.hit.depth >> DEPTH_BITS
     }
 
-    #[inline(always)]
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
         for (&triangle, index) in triangles(self.mesh, first, count).iter().zip(first..) {
             let met = corners(self.mesh.vertices, triangle).and_then(|c| intersect::<K>(ray, c));
@@ -141,7 +142,8 @@ impl Visitor for Any<'_> {
         self.limit
     }
 
-    #[inline(always)]
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
         for &triangle in triangles(self.mesh, first, count) {
             let met = corners(self.mesh.vertices, triangle).and_then(|c| intersect::<K>(ray, c));

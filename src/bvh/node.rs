@@ -84,17 +84,28 @@ impl Node {
 
     /// The first primitive of the node's leaves.
     #[inline(always)]
-    pub(crate) const fn primitives(&self) -> u32 {
+    const fn primitives(&self) -> u32 {
         (self.primitives_high as u32) << 16 | self.primitives_low as u32
     }
 
+    /// The index of an inner child.
     #[inline(always)]
+    pub(crate) const fn node(&self, meta: u8) -> u16 {
+        self.nodes.wrapping_add((meta & 3) as u16)
+    }
+
+    /// The first primitive of a leaf.
+    #[inline(always)]
+    pub(crate) const fn primitive(&self, meta: u8) -> u32 {
+        self.primitives() + (meta & 15) as u32
+    }
+
     pub(crate) const fn child(&self, meta: u8) -> Child {
         if meta & 0x80 != 0 {
-            Child::Node(self.nodes.wrapping_add((meta & 3) as u16))
+            Child::Node(self.node(meta))
         } else if meta >= 0x10 {
             Child::Leaf {
-                first: self.primitives() + (meta & 15) as u32,
+                first: self.primitive(meta),
                 count: (meta >> 4) as u32,
             }
         } else {

@@ -2,27 +2,29 @@
 //!
 //! # Why no box is passed by
 //!
-//! A child's box is [x0, x1] × [y0, y1] × [z0, z1] seen from the ray's origin, z along the dominant axis. The ray
-//! meets it only if z1 ≥ 0 and z0 ≤ limit, and if for some z in z0 ..= z1 the point S·z lies in x0 ..= x1: that is,
-//! x0 ≤ max S·z and min S·z ≤ x1, each extreme at z0 or z1 by the sign of S; and the same for y. With planes
-//! x = (N − o) + (q << e) the first of these becomes, in units of 2^e,
+//! What a ray sees of a point is F(p) = (p_x << 13) − S·p_k + offset ([`GridRay::across`]), along axis k + 1 and
+//! likewise along k + 2, k the dominant axis. A triangle is hit if the origin lies among the points
+//! X_i = ⌊F(v_i) / 2^13⌋ of its vertices: Σ b_i X_i = 0 with weights b. F is affine, so the point p = Σ b_i v_i has
+//! 0 ≤ F(p) < 2^13. Moved by one step along axis k + 1, F changes by 2^13: a box that holds the triangle with one step
+//! to spare holds points with F < 0 and with F ≥ 0. Along k, the depth of a hit lies within those of the vertices.
+//! Hence a child may be left out if, over its box, max F < 0 or min F > 0, or if it ends before the ray starts or
+//! starts beyond the limit.
 //!
-//! (q_x0 << 13) − S·q_z ≤ B / 2^e, B = ((o_x − N_x) << 13) + S·(N_z − o_z).
+//! Over the box [x0, x1] × [z0, z1] the extremes of F are at x0 with one end of z and at x1 with the other, by the
+//! sign of S. With planes N + (q << e), min F ≤ 0 is in units of 2^e
 //!
-//! Its left side is an integer, so ⌊B / 2^e⌋ on the right decides the same; in the second inequality, whose sign is ≥,
-//! ⌊B / 2^e⌋ is at most one too low, which lets in and never keeps out. The same holds for z: one bound is exact,
-//! the other rounded down where that lets in. So a child is left out only if the exact ray misses the box that its
-//! planes make.
+//! (q_x0 << 13) − S·q_z ≤ −F(N) / 2^e.
 //!
-//! What the ray sees of a triangle lies within ½ step of the triangle (see [`crate::shape::triangle`]), so in its box
-//! padded by one; its depth is held within those of its vertices. Hence no triangle that would be hit is in a box that is left out.
+//! Its left side is an integer, so ⌊−F(N) / 2^e⌋ on the right decides the same; for max F ≥ 0, where the sign is ≥, it
+//! is at most one too low, which lets in and never keeps out. The same holds along k: one bound is exact, the other
+//! rounded down where that lets in.
 //!
 //! # Why nothing wraps
 //!
-//! |o − N| < 2^17 and |N_z − o_z| < 2^16, so |B| < 2^30 + 2^29. (q << 13) and S·q are under 2^21.
+//! |F| < 2^31 for any grid point; (q << 13) and S·q are under 2^21.
 
 use super::MAX_DEPTH;
-use super::node::{Child, Node, Planes};
+use super::node::{Node, Planes};
 use crate::shape::{GridRay, SLOPE_BITS};
 use core::ops::ControlFlow;
 use heapless::Vec;
@@ -59,43 +61,36 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
     let mut stack: Vec<u32, STACK> = Vec::new();
     let mut at = 0u32;
     loop {
-        let mut nearest = u32::MAX;
+        let mut nearest = NONE;
         if let Some(node) = nodes.get((at & 0xffff) as usize) {
             let origin = from_origin::<K>(node, ray);
-            let mask = hit_mask::<K>(node, ray, origin, visitor.limit());
-            let near_planes = &node.planes[K][ray.negative as usize];
-            for (i, (&meta, &near)) in node.meta.iter().zip(near_planes).enumerate() {
-                if mask >> i == 0 {
-                    break;
-                }
-                if mask >> i & 1 == 0 {
-                    continue;
-                }
-                match node.child(meta) {
-                    Child::Node(index) => {
-                        let z = origin + ((near as i32) << (node.exponent & 15));
-                        let z = if ray.negative { -z } else { z };
-                        let mut waiting = (z.max(0) as u32) << 16 | index as u32;
-                        if waiting < nearest {
-                            core::mem::swap(&mut waiting, &mut nearest);
-                        }
-                        if waiting != u32::MAX {
+            let mut mask = hit_mask::<K>(node, ray, origin, visitor.limit());
+            let mut slot = 0;
+            while mask != 0 {
+                if mask & 1 != 0 {
+                    let meta = node.meta[slot & 3];
+                    if meta & 0x80 != 0 {
+                        let waiting = depth::<K>(node, ray, origin, slot) << 16 | node.node(meta) as u32;
+                        let farther = waiting.max(nearest);
+                        nearest = waiting.min(nearest);
+                        if farther != NONE {
                             // It fits: the border bounds the depth.
-                            let _ = stack.push(waiting);
+                            let _ = stack.push(farther);
                         }
+                    } else if visitor
+                        .visit::<K>(ray, node.primitive(meta), (meta >> 4) as u32)
+                        .is_break()
+                    {
+                        return;
                     }
-                    Child::Leaf { first, count } => {
-                        if visitor.visit::<K>(ray, first, count).is_break() {
-                            return;
-                        }
-                    }
-                    Child::None => {}
                 }
+                mask >>= 1;
+                slot += 1;
             }
         }
         let limit = visitor.limit();
         at = nearest;
-        while at == u32::MAX || (at >> 16) as i32 > limit {
+        while at == NONE || (at >> 16) as i32 > limit {
             match stack.pop() {
                 Some(waiting) => at = waiting,
                 None => return,
@@ -104,10 +99,21 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
     }
 }
 
+/// No node waits: depth and index are the largest of all.
+const NONE: u32 = u32::MAX;
+
+/// Where the child's box begins along the ray, steps: 0 ..= 65535.
+#[inline(always)]
+fn depth<const K: usize>(node: &Node, ray: &GridRay, origin: i32, slot: usize) -> u32 {
+    let plane = node.planes[K][ray.negative as usize][slot & 3] as i32;
+    let z = origin + (plane << (node.exponent & 15));
+    (if ray.negative { -z } else { z }).max(0) as u32
+}
+
 /// The node's origin along the dominant axis, seen from the ray's.
 #[inline(always)]
 fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
-    node.origin[K] as i32 - ray.origin[2]
+    node.origin[K] as i32 - ray.plane
 }
 
 /// Bit i: the ray may meet child i before the limit. (Slots without a child may be set.)
@@ -119,14 +125,13 @@ fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32)
     if mask == 0 {
         return 0;
     }
-    let bound = |a: usize, i: usize| {
-        (((ray.origin[i] - node.origin[a] as i32) << SLOPE_BITS) + ray.slopes[i] * origin) >> e
-    };
-    let mask = across::<K, 1>(&node.planes, bound((K + 1) % 3, 0), ray.slopes[0], mask);
+    let bound = -ray.across::<K, 0>(&node.origin) >> e;
+    let mask = across::<K, 1>(&node.planes, bound, ray.slopes[0], mask);
     if mask == 0 {
         return 0;
     }
-    across::<K, 2>(&node.planes, bound((K + 2) % 3, 1), ray.slopes[1], mask)
+    let bound = -ray.across::<K, 1>(&node.origin) >> e;
+    across::<K, 2>(&node.planes, bound, ray.slopes[1], mask)
 }
 
 /// Which children reach into `from` ..= `to` along the dominant axis.
@@ -136,7 +141,8 @@ fn along<const K: usize>(planes: &Planes, from: i32, to: i32) -> u32 {
     let [low, high] = &planes[K];
     let mut mask = 0;
     for i in 0..4 {
-        mask |= ((high[i] as i32 >= from && low[i] as i32 <= to) as u32) << i;
+        // The sign says whether it is beyond one of the two.
+        mask |= ((((high[i] as i32 - from) | (to - low[i] as i32)) as u32 >> 31) ^ 1) << i;
     }
     mask
 }

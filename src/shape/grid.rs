@@ -185,16 +185,17 @@ impl Slopes {
     }
 }
 
-/// A ray as a grid sees it: an integer origin, a dominant axis, two slopes.
+/// A ray as a grid sees it: an integer origin, a dominant axis k, two slopes, of the axes k+1 and k+2.
 ///
-/// Every decision of box and triangle tests is an exact predicate of this ray. Its components are in the order
-/// (k+1, k+2, k) of the dominant axis k.
+/// Every decision of box and triangle tests is an exact predicate of this ray.
 #[derive(Clone, Copy, Debug)]
 pub struct GridRay {
-    /// Grid steps: −65536 ..= 131071 across, 0 ..= 65535 along.
-    pub(crate) origin: [i32; 3],
+    /// Where it starts along the axis, steps: 0 ..= 65535.
+    pub(crate) plane: i32,
     /// Q13, within ±2^13: steps across for a step along the (signed) axis.
     pub(crate) slopes: [i32; 2],
+    /// What [`GridRay::across`] adds, Q13: slope · plane − where it starts across, + ½.
+    offsets: [i32; 2],
     pub(crate) negative: bool,
     pub(crate) axis: u8,
     shift: u8,
@@ -237,15 +238,14 @@ impl GridRay {
             // or more, and is refused as it should be.
             from.wrapping_add(aside).wrapping_add(half) >> shift
         };
-        let origin = [
-            across(x, slopes.slopes[0], slopes.fine[0]),
-            across(y, slopes.slopes[1], slopes.fine[1]),
-            plane,
-        ];
+        let [s0, s1] = slopes.slopes;
+        let (x, y) = (across(x, s0, slopes.fine[0]), across(y, s1, slopes.fine[1]));
         let beside = |c: i32| c.wrapping_add(65536) as u32 >= 3 * 65536;
-        if beside(origin[0]) || beside(origin[1]) {
+        if beside(x) || beside(y) {
             return None;
         }
+        // 2^13 · 2^16 + 2^17 · 2^13 + 2^12 < 2^31
+        let offset = |s: i32, c: i32| s * plane - (c << SLOPE_BITS) + (1 << (SLOPE_BITS - 1));
         // √3 (2^30 + 2^26) < 2^31.
         let ahead = if slopes.negative {
             ahead.wrapping_neg()
@@ -253,8 +253,9 @@ impl GridRay {
             ahead
         };
         Some(GridRay {
-            origin,
+            plane,
             slopes: slopes.slopes,
+            offsets: [offset(s0, x), offset(s1, y)],
             negative: slopes.negative,
             axis: slopes.axis,
             shift,
@@ -262,6 +263,16 @@ impl GridRay {
             inverse: slopes.inverse,
             start: mul_shift(ahead, slopes.inverse, 30),
         })
+    }
+
+    /// How far from the ray a grid point lies along axis k + 1 (`A` = 0) or k + 2 (1), seen along the ray: Q13, ½ more.
+    ///
+    /// An affine function of the point, exact: the two terms of it together are under 2^30, and the sum of all three,
+    /// (v_x − o_x)·2^13 − S·(v_k − o_k) + 2^12 with |v_x − o_x| < 2^17 and |v_k − o_k| < 2^16, under
+    /// 2^30 + 2^29 + 2^12.
+    #[inline(always)]
+    pub(crate) fn across<const K: usize, const A: usize>(&self, v: &[u16; 3]) -> i32 {
+        ((v[(K + 1 + A) % 3] as i32) << SLOPE_BITS) - self.slopes[A] * v[K] as i32 + self.offsets[A]
     }
 
     /// Distance along the ray for a depth in 1/16 steps, scene units, at least 1.
@@ -328,7 +339,14 @@ mod tests {
         // 2^29 units away, straight at the grid point (100, 200, 0).
         let origin = Point([-1000 + 800, 1600, 500 - (1 << 29)]);
         let ray = GridRay::enter(&GRID, &Ray { origin, dir: Dir::Z }, &Slopes::new(Dir::Z)).unwrap();
-        assert_eq!(ray.origin, [100, 200, 0]);
+        assert_eq!(ray.plane, 0);
+        assert_eq!(
+            [
+                ray.across::<2, 0>(&[101, 202, 9]),
+                ray.across::<2, 1>(&[101, 202, 9])
+            ],
+            [12288, 20480]
+        );
         assert_eq!(ray.distance(0), 1 << 29);
         assert_eq!(ray.distance(16), (1 << 29) + 8);
         assert!(GridRay::enter(&GRID, &Ray { origin, dir: -Dir::Z }, &Slopes::new(-Dir::Z)).is_none());

@@ -67,7 +67,7 @@ impl<'a> TriangleMesh<'a> {
     /// The three vertices of a triangle, grid coordinates.
     #[inline]
     pub fn corners(&self, triangle: u32) -> Option<[[u16; 3]; 3]> {
-        corners(self.vertices, *self.triangles.get(triangle as usize)?)
+        Some(corners(self.vertices, *self.triangles.get(triangle as usize)?)?.map(|v| *v))
     }
 
     /// Of all triangles, grid coordinates.
@@ -142,11 +142,11 @@ impl<'a> TriangleMesh<'a> {
 
 /// The vertices a triangle names.
 #[inline(always)]
-pub(crate) fn corners(vertices: &[[u16; 3]], [a, b, c]: [u16; 3]) -> Option<[[u16; 3]; 3]> {
+pub(crate) fn corners(vertices: &[[u16; 3]], [a, b, c]: [u16; 3]) -> Option<[&[u16; 3]; 3]> {
     Some([
-        *vertices.get(a as usize)?,
-        *vertices.get(b as usize)?,
-        *vertices.get(c as usize)?,
+        vertices.get(a as usize)?,
+        vertices.get(b as usize)?,
+        vertices.get(c as usize)?,
     ])
 }
 

@@ -13,7 +13,7 @@
 //! # Why nothing wraps
 //!
 //! With vertices in 0 ..= 65535 and the origin in −65536 ..= 131071 across and 0 ..= 65535 along (see [`GridRay`]):
-//! |v_x − o_x| < 2^17 and |dz| < 2^16, so the sum in X is under 2^30 + 2^29 + 2^12 < 2^31 and |X| < 2^17 + 2^16 < 2^18.
+//! the sum in X is under 2^31 ([`GridRay::across`]) and |X| < 2^17 + 2^16 < 2^18.
 //! If all |X|, |Y| are at most 2^15 (one's complement magnitude under 2^15), an edge function is under 2^31; else it is
 //! taken exactly in two words, see [`Edge`].
 
@@ -33,14 +33,15 @@ pub(crate) struct TriangleHit {
 /// The closed triangle against the ray ahead of its origin; a triangle the ray sees edge-on is missed.
 ///
 /// `K` is the ray's dominant axis.
-#[inline]
-pub(crate) fn intersect<const K: usize>(ray: &GridRay, [a, b, c]: [[u16; 3]; 3]) -> Option<TriangleHit> {
+#[inline(always)]
+pub(crate) fn intersect<const K: usize>(ray: &GridRay, [a, b, c]: [&[u16; 3]; 3]) -> Option<TriangleHit> {
     let [ax, ay] = shear::<K>(ray, a);
     let [bx, by] = shear::<K>(ray, b);
     let [cx, cy] = shear::<K>(ray, c);
     let size = |x: i32| x ^ (x >> 31);
     if size(ax) | size(ay) | size(bx) | size(by) | size(cx) | size(cy) >= 1 << 15 {
-        return intersect_large(ray, [ax, ay], [bx, by], [cx, cy], [a[K], b[K], c[K]]);
+        let [u, v, w] = large_edges([[ax, ay], [bx, by], [cx, cy]])?;
+        return meet(ray, [u, v, w], [a[K], b[K], c[K]]);
     }
     let u = cx * by - cy * bx;
     let w = bx * ay - by * ax;
@@ -66,39 +67,34 @@ fn opposite(a: i32, b: i32) -> bool {
 
 /// Where the ray sees a vertex, steps; under 2^18 in magnitude.
 #[inline(always)]
-fn shear<const K: usize>(ray: &GridRay, v: [u16; 3]) -> [i32; 2] {
-    let z = v[K] as i32 - ray.origin[2];
-    let across = |v: u16, from: i32, slope: i32| {
-        (((v as i32 - from) << SLOPE_BITS) - slope * z + (1 << (SLOPE_BITS - 1))) >> SLOPE_BITS
-    };
+fn shear<const K: usize>(ray: &GridRay, v: &[u16; 3]) -> [i32; 2] {
     [
-        across(v[(K + 1) % 3], ray.origin[0], ray.slopes[0]),
-        across(v[(K + 2) % 3], ray.origin[1], ray.slopes[1]),
+        ray.across::<K, 0>(v) >> SLOPE_BITS,
+        ray.across::<K, 1>(v) >> SLOPE_BITS,
     ]
 }
 
-/// The same test for triangles of which the ray sees more than 2^15 steps.
+/// The edge functions' magnitudes, up to a common factor, of a triangle of which the ray sees more than 2^15 steps;
+/// `None` if it passes by.
 #[cold]
 #[inline(never)]
-fn intersect_large(
-    ray: &GridRay,
-    [ax, ay]: [i32; 2],
-    [bx, by]: [i32; 2],
-    [cx, cy]: [i32; 2],
-    z: [u16; 3],
-) -> Option<TriangleHit> {
+fn large_edges([[ax, ay], [bx, by], [cx, cy]]: [[i32; 2]; 3]) -> Option<[u32; 3]> {
     let u = Edge::new(cx, by, cy, bx);
     let w = Edge::new(bx, ay, by, ax);
-    if opposite(u.sign(), w.sign()) {
+    let (su, sw) = (u.sign(), w.sign());
+    if opposite(su, sw) {
         return None;
     }
     let v = Edge::new(ax, cy, ay, cx);
-    let (su, sv, sw) = (u.sign(), v.sign(), w.sign());
+    let sv = v.sign();
     if opposite(su, sv) || opposite(sv, sw) || (su | sv | sw) == 0 {
         return None;
     }
-    let (parts, _) = Edge::shorten([u.abs(), v.abs(), w.abs()]);
-    meet(ray, parts.map(|p| p as u32), z)
+    Some(
+        Edge::shorten([u.abs(), v.abs(), w.abs()])
+            .0
+            .map(|part| part as u32),
+    )
 }
 
 /// p·q − r·t as 512·high + low, exactly, with 0 ≤ low < 512.
@@ -165,9 +161,9 @@ fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [u16; 3]) -> Option<TriangleHit> 
     let b2 = share(w).min((1 << 16) - b1);
     let ahead = |z: u16| {
         if ray.negative {
-            ray.origin[2] - z as i32
+            ray.plane - z as i32
         } else {
-            z as i32 - ray.origin[2]
+            z as i32 - ray.plane
         }
     };
     let [za, zb, zc] = z.map(ahead);

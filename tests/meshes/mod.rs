@@ -13,7 +13,6 @@ pub struct Model {
     pub vertices: Vec<[u16; 3]>,
     pub triangles: Vec<[u16; 3]>,
     pub nodes: Vec<Node>,
-    pub depth: usize,
 }
 
 impl Model {
@@ -27,13 +26,17 @@ impl Model {
             triangles: &triangles,
         };
         let depth = check_mesh(&mesh, &nodes).unwrap();
+        let each = used as f64 / triangles.len() as f64;
+        println!(
+            "{name}: {} triangles, {used} nodes ({each:.3} each), depth {depth}",
+            triangles.len()
+        );
         Model {
             name: name.to_string(),
             grid,
             vertices,
             triangles,
             nodes,
-            depth,
         }
     }
 
