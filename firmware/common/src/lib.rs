@@ -1,0 +1,14 @@
+//! What every board, emulator and host runs alike: one list of [`jobs`], one picture made of [`tile`]s.
+//!
+//! A board's own crate brings start-up, a display or a console, and nothing that could change a bit of the result.
+//! Each job gives one CRC-32; two targets that disagree about a job name it by its line.
+
+#![no_std]
+
+pub mod crc;
+mod edges;
+mod flags;
+pub mod jobs;
+mod random;
+pub mod region;
+pub mod tile;

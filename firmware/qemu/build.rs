@@ -1,0 +1,22 @@
+//! Lays the program out for the machine that `MACHINE` names.
+
+use std::{env, fs, path::PathBuf};
+
+fn main() {
+    let machine = env::var("MACHINE").expect("MACHINE names a file of memory/, as in MACHINE=microbit");
+    let layout = format!("memory/{machine}.x");
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    fs::copy(&layout, out.join("memory.x")).unwrap_or_else(|e| panic!("{layout}: {e}"));
+
+    println!("cargo:rustc-link-search={}", out.display());
+    println!("cargo:rustc-env=MACHINE={machine}");
+    println!("cargo:rerun-if-env-changed=MACHINE");
+    println!("cargo:rerun-if-changed={layout}");
+
+    // The Cortex-M start-up's script includes memory.x, the RISC-V one wants it first.
+    let target = env::var("CARGO_CFG_TARGET_ARCH").expect("cargo sets the target");
+    let arguments: &[_] = if target == "riscv32" { &["-Tmemory.x", "-Tlink.x"] } else { &["--nmagic", "-Tlink.x"] };
+    for argument in arguments {
+        println!("cargo:rustc-link-arg-bins={argument}");
+    }
+}
