@@ -1,0 +1,9 @@
+//! Runs firmware without a board: builds it, starts the emulator, reads what it prints, compares and counts.
+
+pub mod count;
+pub mod identity;
+pub mod machine;
+pub mod pico;
+mod process;
+mod symbols;
+pub mod toolchain;
