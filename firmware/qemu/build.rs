@@ -3,7 +3,8 @@
 use std::{env, fs, path::PathBuf};
 
 fn main() {
-    let machine = env::var("MACHINE").expect("MACHINE names a file of memory/, as in MACHINE=microbit");
+    let machine =
+        env::var("MACHINE").expect("MACHINE names a file of memory/, as in MACHINE=microbit");
     let layout = format!("memory/{machine}.x");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(&layout, out.join("memory.x")).unwrap_or_else(|e| panic!("{layout}: {e}"));
@@ -15,7 +16,11 @@ fn main() {
 
     // The Cortex-M start-up's script includes memory.x, the RISC-V one wants it first.
     let target = env::var("CARGO_CFG_TARGET_ARCH").expect("cargo sets the target");
-    let arguments: &[_] = if target == "riscv32" { &["-Tmemory.x", "-Tlink.x"] } else { &["--nmagic", "-Tlink.x"] };
+    let arguments: &[_] = if target == "riscv32" {
+        &["-Tmemory.x", "-Tlink.x"]
+    } else {
+        &["--nmagic", "-Tlink.x"]
+    };
     for argument in arguments {
         println!("cargo:rustc-link-arg-bins={argument}");
     }

@@ -160,7 +160,11 @@ mod model {
         if n == 0 {
             return logic(x, flags);
         }
-        let wide = if arithmetic { i64::from(x as i32) } else { i64::from(x) };
+        let wide = if arithmetic {
+            i64::from(x as i32)
+        } else {
+            i64::from(x)
+        };
         // One place more to the left, so that the last bit shifted out stays visible as bit 0.
         let extended = (wide << 1) >> n.min(63);
         shifted((extended >> 1) as u32, extended & 1 != 0, flags)

@@ -10,9 +10,18 @@ pub struct Job {
 
 /// Jobs about the arithmetic and the memory of the machine, then the picture.
 const OWN: &[Job] = &[
-    Job { name: "edges", run: edges::run },
-    Job { name: "fill", run: fill },
-    Job { name: "picture", run: tile::picture },
+    Job {
+        name: "edges",
+        run: edges::run,
+    },
+    Job {
+        name: "fill",
+        run: fill,
+    },
+    Job {
+        name: "picture",
+        run: tile::picture,
+    },
 ];
 
 /// Every job, in the order in which they run. A job's place in it is also its [`crate::region`].

@@ -16,8 +16,18 @@ pub struct Frame {
 
 impl Frame {
     pub const fn new(width: u32, height: u32) -> Self {
-        assert!(width.is_multiple_of(SIDE) && height.is_multiple_of(SIDE) && width > 0 && height > 0);
+        assert!(
+            width.is_multiple_of(SIDE) && height.is_multiple_of(SIDE) && width > 0 && height > 0
+        );
         Self { width, height }
+    }
+
+    pub const fn width(self) -> u32 {
+        self.width
+    }
+
+    pub const fn height(self) -> u32 {
+        self.height
     }
 
     /// Number of tiles; they are counted along the rows.
@@ -67,13 +77,20 @@ impl Frame {
         }
         let red = x * 31 / (self.width - 1);
         let green = y * 63 / (self.height - 1);
-        let blue = if (x / 32 + y / 32).is_multiple_of(2) { 31 } else { 0 };
+        let blue = if (x / 32 + y / 32).is_multiple_of(2) {
+            31
+        } else {
+            0
+        };
         (red << 11 | green << 5 | blue) as u16
     }
 }
 
 /// The frame of a square 1.3 inch display.
 pub const SQUARE: Frame = Frame::new(240, 240);
+
+/// The frame of a 2 inch display, held with its long side level.
+pub const WIDE: Frame = Frame::new(320, 240);
 
 pub(crate) fn picture() -> u32 {
     SQUARE.crc()

@@ -45,10 +45,22 @@ pub fn plugin() -> Result<PathBuf> {
 }
 
 /// Runs `program` once and reads the plugin's report; `histogram` receives a CSV of every address executed.
-pub fn run(machine: Machine, program: &Path, plugin: &Path, histogram: Option<&Path>) -> Result<Counts> {
+pub fn run(
+    machine: Machine,
+    program: &Path,
+    plugin: &Path,
+    histogram: Option<&Path>,
+) -> Result<Counts> {
     ensure!(machine.in_qemu(), "{} does not run in QEMU", machine.name());
-    let report = toolchain::target_folder().join("emulator").join(format!("{}.report", machine.name()));
-    let mut argument = format!("{},report={},{}", plugin.display(), report.display(), symbols::markers(program)?);
+    let report = toolchain::target_folder()
+        .join("emulator")
+        .join(format!("{}.report", machine.name()));
+    let mut argument = format!(
+        "{},report={},{}",
+        plugin.display(),
+        report.display(),
+        symbols::markers(program)?
+    );
     if let Some(file) = histogram {
         argument += &format!(",histogram={}", file.display());
     }
@@ -62,23 +74,50 @@ fn parse(report: &str) -> Result<Counts> {
     let mut total = None;
     let mut regions = BTreeMap::new();
     for line in report.lines() {
-        let (kind, numbers) = line.split_once(' ').with_context(|| format!("report line {line:?}"))?;
-        let numbers = numbers.split(' ').map(str::parse::<u64>).collect::<Result<Vec<_>, _>>()?;
+        let (kind, numbers) = line
+            .split_once(' ')
+            .with_context(|| format!("report line {line:?}"))?;
+        let numbers = numbers
+            .split(' ')
+            .map(str::parse::<u64>)
+            .collect::<Result<Vec<_>, _>>()?;
         match (kind, &*numbers) {
-            ("total", &[instructions, cycles]) => total = Some(Spent { entries: 1, instructions, cycles }),
+            ("total", &[instructions, cycles]) => {
+                total = Some(Spent {
+                    entries: 1,
+                    instructions,
+                    cycles,
+                })
+            }
             ("region", &[id, entries, instructions, cycles]) => {
-                regions.insert(u32::try_from(id)?, Spent { entries, instructions, cycles });
+                regions.insert(
+                    u32::try_from(id)?,
+                    Spent {
+                        entries,
+                        instructions,
+                        cycles,
+                    },
+                );
             }
             _ => bail!("report line {line:?}"),
         }
     }
-    let markers = regions.remove(&region::EMPTY).context("the firmware does not run the empty region")?;
-    ensure!(markers.entries == 1, "the empty region ran {} times", markers.entries);
+    let markers = regions
+        .remove(&region::EMPTY)
+        .context("the firmware does not run the empty region")?;
+    ensure!(
+        markers.entries == 1,
+        "the empty region ran {} times",
+        markers.entries
+    );
     for spent in regions.values_mut() {
         spent.instructions -= spent.entries * markers.instructions;
         spent.cycles -= spent.entries * markers.cycles;
     }
-    Ok(Counts { total: total.context("no total in the report")?, regions })
+    Ok(Counts {
+        total: total.context("no total in the report")?,
+        regions,
+    })
 }
 
 /// Counts the jobs on `machines`, each `runs` times, which must agree, and prints a table.
@@ -92,12 +131,20 @@ pub fn table(machines: &[Machine], runs: u32, histograms: Option<&Path>) -> Resu
         let histogram = histograms.map(|folder| folder.join(format!("{}.csv", machine.name())));
         let counts = run(machine, &program, &plugin, histogram.as_deref())?;
         for _ in 1..runs {
-            ensure!(run(machine, &program, &plugin, None)? == counts, "{}: two runs differ", machine.name());
+            ensure!(
+                run(machine, &program, &plugin, None)? == counts,
+                "{}: two runs differ",
+                machine.name()
+            );
         }
         let names = (0..).zip(jobs::all()).map(|(id, job)| (id, job.name));
         let rows = names.filter_map(|(id, name)| Some((name, counts.regions.get(&id)?)));
         for (name, spent) in rows.chain([("(whole)", &counts.total)]) {
-            let cycles = if machine.is_armv6m() { spent.cycles.to_string() } else { "-".to_owned() };
+            let cycles = if machine.is_armv6m() {
+                spent.cycles.to_string()
+            } else {
+                "-".to_owned()
+            };
             println!(
                 "{:<11} {:<10} {name:<16} {:>7}  {:>12}  {cycles:>12}",
                 machine.name(),
@@ -117,8 +164,22 @@ mod tests {
     #[test]
     fn subtracts_the_markers() {
         let counts = parse("total 900 1000\nregion 2 3 160 250\nregion 63 1 10 15\n").unwrap();
-        assert_eq!(counts.total, Spent { entries: 1, instructions: 900, cycles: 1000 });
-        assert_eq!(counts.regions[&2], Spent { entries: 3, instructions: 130, cycles: 205 });
+        assert_eq!(
+            counts.total,
+            Spent {
+                entries: 1,
+                instructions: 900,
+                cycles: 1000
+            }
+        );
+        assert_eq!(
+            counts.regions[&2],
+            Spent {
+                entries: 3,
+                instructions: 130,
+                cycles: 205
+            }
+        );
         assert_eq!(counts.regions.len(), 1);
     }
 

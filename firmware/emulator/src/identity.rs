@@ -29,7 +29,11 @@ pub fn check(machines: &[Machine]) -> Result<()> {
     if differing > 0 {
         bail!("{differing} jobs differ between the machines");
     }
-    println!("{} jobs are equal on {} machines", columns.first().map_or(0, |c| c.1.len()), columns.len());
+    println!(
+        "{} jobs are equal on {} machines",
+        columns.first().map_or(0, |c| c.1.len()),
+        columns.len()
+    );
     Ok(())
 }
 
@@ -44,11 +48,18 @@ fn parse(line: &str) -> Result<Line> {
 
 /// The table, and the number of rows that are not equal in every column.
 fn compare(columns: &[(Machine, Vec<Line>)]) -> (String, usize) {
-    let rows = columns.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0);
+    let rows = columns
+        .iter()
+        .map(|(_, lines)| lines.len())
+        .max()
+        .unwrap_or(0);
     let mut table = String::new();
     let mut differing = 0;
     for row in 0..rows {
-        let cells: Vec<_> = columns.iter().map(|(machine, lines)| (machine, lines.get(row))).collect();
+        let cells: Vec<_> = columns
+            .iter()
+            .map(|(machine, lines)| (machine, lines.get(row)))
+            .collect();
         if let Some((name, crc)) = cells[0].1
             && cells.iter().all(|cell| cell.1 == cells[0].1)
         {

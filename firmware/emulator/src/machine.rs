@@ -127,7 +127,15 @@ impl Machine {
             }
             _ => Command::new("qemu-system-arm"),
         };
-        qemu.args(["-machine", self.name(), "-nographic", "-monitor", "none", "-serial", "none"]);
+        qemu.args([
+            "-machine",
+            self.name(),
+            "-nographic",
+            "-monitor",
+            "none",
+            "-serial",
+            "none",
+        ]);
         qemu.args(["-semihosting-config", "enable=on,target=native"]);
         qemu
     }
@@ -135,7 +143,9 @@ impl Machine {
     /// Runs all jobs and returns their lines.
     pub fn run(self) -> Result<String> {
         match self {
-            Self::Host => Ok(jobs::all().map(|job| format!("{} crc32={:08x}\n", job.name, (job.run)())).collect()),
+            Self::Host => Ok(jobs::all()
+                .map(|job| format!("{} crc32={:08x}\n", job.name, (job.run)()))
+                .collect()),
             Self::Wasm32 => {
                 let script = toolchain::firmware().join("wasm/run.mjs");
                 self.lines(Command::new("node").arg(script).arg(self.build()?))
@@ -153,7 +163,13 @@ impl Machine {
     fn lines(self, command: &mut Command) -> Result<String> {
         let finished = process::run(command, LIMIT, false)?;
         if !finished.status.success() {
-            bail!("{}: {}\n{}{}", self.name(), finished.status, finished.stdout, finished.stderr);
+            bail!(
+                "{}: {}\n{}{}",
+                self.name(),
+                finished.status,
+                finished.stdout,
+                finished.stderr
+            );
         }
         Ok(finished.stdout)
     }

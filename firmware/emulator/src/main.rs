@@ -1,10 +1,14 @@
-//! `emulator run`, `emulator identity`, `emulator count`.
+//! `emulator run`, `emulator identity`, `emulator count`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
-use emulator::{count, identity, machine::Machine, pico};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use emulator::{
+    count, identity,
+    machine::Machine,
+    pico::{self, Screen},
+};
 
 /// Runs the firmware without a board
 #[derive(Parser)]
@@ -15,8 +19,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Runs the Pico's firmware and writes what its display shows
-    Run(pico::Options),
+    /// Runs a board's firmware; fails unless it does what this computer does
+    Run(Run),
     /// Runs the jobs on every machine; fails unless all agree
     Identity {
         /// Machines to compare, all if none is given
@@ -35,17 +39,77 @@ enum Command {
         #[arg(long)]
         histograms: Option<PathBuf>,
     },
+    /// Makes the Pico's firmware fail on purpose and checks what it shows
+    Faults,
+}
+
+#[derive(Args)]
+struct Run {
+    /// `pico`, or a machine that runs the jobs: microbit, mps2-an385, ...
+    #[arg(long, default_value = "pico", value_parser = board)]
+    board: Board,
+    /// File for what the Pico's display shows
+    #[arg(long)]
+    png: Option<PathBuf>,
+    /// File for the Pico's times, cycles, stacks and faults
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// The Pico's display
+    #[arg(long, default_value = "240x240")]
+    screen: Screen,
+    /// Emulated seconds after which the Pico counts as hung
+    #[arg(long, default_value_t = 60)]
+    seconds: u32,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Board {
+    Pico,
+    Machine(Machine),
+}
+
+fn board(name: &str) -> Result<Board, String> {
+    if name == "pico" {
+        return Ok(Board::Pico);
+    }
+    Machine::from_str(name, false).map(Board::Machine)
+}
+
+fn run(options: &Run) -> Result<()> {
+    match options.board {
+        Board::Pico => pico::run(&pico::Run {
+            screen: options.screen,
+            png: options.png.as_deref(),
+            json: options.json.as_deref(),
+            seconds: options.seconds,
+            quiet: options.quiet,
+        }),
+        Board::Machine(machine) => identity::check(&[Machine::Host, machine]),
+    }
 }
 
 fn execute(command: Command) -> Result<()> {
     match command {
-        Command::Run(options) => pico::run(&options),
-        Command::Identity { machine } => {
-            identity::check(if machine.is_empty() { &Machine::ALL } else { &machine })
-        }
-        Command::Count { machine, runs, histograms } => {
+        Command::Run(options) => run(&options),
+        Command::Faults => pico::faults(),
+        Command::Identity { machine } => identity::check(if machine.is_empty() {
+            &Machine::ALL
+        } else {
+            &machine
+        }),
+        Command::Count {
+            machine,
+            runs,
+            histograms,
+        } => {
             let machines = if machine.is_empty() {
-                Machine::ALL.into_iter().filter(|machine| machine.in_qemu()).collect()
+                Machine::ALL
+                    .into_iter()
+                    .filter(|machine| machine.in_qemu())
+                    .collect()
             } else {
                 machine
             };

@@ -24,9 +24,15 @@ pub fn run(command: &mut Command, limit: Duration, pass_errors: bool) -> Result<
     let mut child = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
-        .stderr(if pass_errors { Stdio::inherit() } else { Stdio::piped() })
+        .stderr(if pass_errors {
+            Stdio::inherit()
+        } else {
+            Stdio::piped()
+        })
         .spawn()
-        .with_context(|| format!("{name} does not start; `cargo xtask setup` installs what the emulators need"))?;
+        .with_context(|| {
+            format!("{name} does not start; `cargo xtask setup` installs what the emulators need")
+        })?;
 
     let stdout = collect(child.stdout.take());
     let stderr = collect(child.stderr.take());
@@ -37,12 +43,20 @@ pub fn run(command: &mut Command, limit: Duration, pass_errors: bool) -> Result<
         if start.elapsed() > limit {
             child.kill()?;
             child.wait()?;
-            bail!("{name} was still running after {} s and was stopped", limit.as_secs());
+            bail!(
+                "{name} was still running after {} s and was stopped",
+                limit.as_secs()
+            );
         }
         thread::sleep(Duration::from_millis(5));
     };
-    let text = |reader: thread::JoinHandle<String>| reader.join().expect("the reader does not panic");
-    Ok(Finished { status, stdout: text(stdout), stderr: text(stderr) })
+    let text =
+        |reader: thread::JoinHandle<String>| reader.join().expect("the reader does not panic");
+    Ok(Finished {
+        status,
+        stdout: text(stdout),
+        stderr: text(stderr),
+    })
 }
 
 /// Reads a pipe beside the child, so that a full one does not stop it.
@@ -64,14 +78,23 @@ mod tests {
     #[test]
     fn stops_what_does_not_end() {
         let start = Instant::now();
-        let result = run(Command::new("sleep").arg("60"), Duration::from_millis(50), false);
+        let result = run(
+            Command::new("sleep").arg("60"),
+            Duration::from_millis(50),
+            false,
+        );
         assert!(result.is_err());
         assert!(start.elapsed() < Duration::from_secs(20));
     }
 
     #[test]
     fn collects_more_than_a_pipe_holds() {
-        let finished = run(Command::new("seq").arg("100000"), Duration::from_secs(20), false).unwrap();
+        let finished = run(
+            Command::new("seq").arg("100000"),
+            Duration::from_secs(20),
+            false,
+        )
+        .unwrap();
         assert!(finished.status.success());
         assert_eq!(finished.stdout.lines().count(), 100_000);
     }

@@ -15,7 +15,11 @@ pub fn markers(program: &Path) -> Result<String> {
             .filter(|symbol| symbol.size() > 0)
             .with_context(|| format!("{} has no symbol {name}", program.display()))?;
         // Bit 0 of a Thumb function's address is its instruction set.
-        let address = if elf.architecture() == object::Architecture::Arm { symbol.address() & !1 } else { symbol.address() };
+        let address = if elf.architecture() == object::Architecture::Arm {
+            symbol.address() & !1
+        } else {
+            symbol.address()
+        };
         anyhow::Ok(format!("{address:#x}:{}", symbol.size()))
     };
     Ok(format!(

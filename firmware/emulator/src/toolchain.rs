@@ -11,7 +11,9 @@ use anyhow::{Context, Result, bail};
 /// The folder that holds every firmware crate.
 pub fn firmware() -> PathBuf {
     let own = Path::new(env!("CARGO_MANIFEST_DIR"));
-    own.parent().expect("the emulator lives inside firmware/").to_owned()
+    own.parent()
+        .expect("the emulator lives inside firmware/")
+        .to_owned()
 }
 
 /// Build folder of all firmware crates.
@@ -29,7 +31,10 @@ fn embedded_cargo() -> (Command, Vec<String>) {
         .or_else(|| env::var_os("CARGO"))
         .unwrap_or_else(|| "cargo".into());
     let arguments = env::var("MICROLUX_EMBEDDED_CARGO_ARGS").unwrap_or_default();
-    (Command::new(program), arguments.split_whitespace().map(str::to_owned).collect())
+    (
+        Command::new(program),
+        arguments.split_whitespace().map(str::to_owned).collect(),
+    )
 }
 
 /// What to build: a crate in `firmware/`, for a target, with settings in its environment.
@@ -47,7 +52,9 @@ pub struct Build<'a> {
 /// Builds in release mode and returns the copy of the artifact.
 pub fn build(build: &Build) -> Result<PathBuf> {
     let (mut cargo, arguments) = embedded_cargo();
-    cargo.args(["build", "--release", "--quiet", "--target", build.target]).args(arguments);
+    cargo
+        .args(["build", "--release", "--quiet", "--target", build.target])
+        .args(arguments);
     if !build.features.is_empty() {
         cargo.arg("--features").arg(build.features.join(","));
     }
@@ -62,11 +69,19 @@ pub fn build_for_host(build: &Build) -> Result<PathBuf> {
 }
 
 fn finish(mut cargo: Command, build: &Build, target: Option<&str>) -> Result<PathBuf> {
-    cargo.current_dir(firmware().join(build.package)).env("CARGO_TARGET_DIR", target_folder());
+    cargo
+        .current_dir(firmware().join(build.package))
+        .env("CARGO_TARGET_DIR", target_folder());
     cargo.envs(build.environment.iter().copied());
-    let status = cargo.status().with_context(|| format!("{:?} does not start", cargo.get_program()))?;
+    let status = cargo
+        .status()
+        .with_context(|| format!("{:?} does not start", cargo.get_program()))?;
     if !status.success() {
-        bail!("firmware/{} does not build for {}", build.package, build.name);
+        bail!(
+            "firmware/{} does not build for {}",
+            build.package,
+            build.name
+        );
     }
     let mut made = target_folder();
     made.extend(target);

@@ -42,7 +42,10 @@ struct Count {
 
 impl Count {
     const fn new() -> Self {
-        Self { instructions: AtomicU64::new(0), cycles: AtomicU64::new(0) }
+        Self {
+            instructions: AtomicU64::new(0),
+            cycles: AtomicU64::new(0),
+        }
     }
 
     fn add(&self, instructions: u64, cycles: u64) {
@@ -94,13 +97,24 @@ static TOTAL: Count = Count::new();
 static FALL_THROUGH: AtomicU64 = AtomicU64::new(0);
 static LINES: Mutex<BTreeMap<u64, &'static Line>> = Mutex::new(BTreeMap::new());
 static REGIONS: [Region; MOST_REGIONS] = [const {
-    Region { entries: AtomicU64::new(0), spent: Count::new(), opened: Mutex::new(None) }
+    Region {
+        entries: AtomicU64::new(0),
+        spent: Count::new(),
+        opened: Mutex::new(None),
+    }
 }; MOST_REGIONS];
 
 extern "C" fn on_block(_cpu: c_uint, data: *mut c_void) {
     // SAFETY: `data` is the `Run` that `on_translation` leaked for this block.
     let run = unsafe { &*data.cast::<Run>() };
-    let expected = FALL_THROUGH.swap(if run.ends_in_conditional_branch { run.end } else { 0 }, Relaxed);
+    let expected = FALL_THROUGH.swap(
+        if run.ends_in_conditional_branch {
+            run.end
+        } else {
+            0
+        },
+        Relaxed,
+    );
     let taken = expected != 0 && expected != run.start;
     TOTAL.add(run.instructions, run.cycles + u64::from(taken));
 }
@@ -122,7 +136,9 @@ extern "C" fn on_begin(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_v
 }
 
 extern "C" fn on_end(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_void) {
-    let Some(region) = region_at(address) else { return };
+    let Some(region) = region_at(address) else {
+        return;
+    };
     let (instructions, cycles) = TOTAL.get();
     if let Some(opened) = region.opened.lock().unwrap().take() {
         region.spent.add(instructions - opened.0, cycles - opened.1);
@@ -132,7 +148,13 @@ extern "C" fn on_end(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_voi
 extern "C" fn on_translation(_id: Id, block: *mut Block) {
     let settings = SETTINGS.get().expect("set before the first translation");
     let mut lines = LINES.lock().unwrap();
-    let mut run = Run { start: 0, end: 0, ends_in_conditional_branch: false, instructions: 0, cycles: 0 };
+    let mut run = Run {
+        start: 0,
+        end: 0,
+        ends_in_conditional_branch: false,
+        instructions: 0,
+        cycles: 0,
+    };
     // SAFETY: QEMU lends the block for this call, and every index is below the number it gives.
     for index in 0..unsafe { api::qemu_plugin_tb_n_insns(block) } {
         let instruction = unsafe { api::qemu_plugin_tb_get_insn(block, index) };
@@ -148,7 +170,10 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
         run.instructions += 1;
         run.cycles += cycles;
 
-        for (marker, callback) in [(&settings.begin, on_begin as api::OnMemory), (&settings.end, on_end)] {
+        for (marker, callback) in [
+            (&settings.begin, on_begin as api::OnMemory),
+            (&settings.end, on_end),
+        ] {
             if marker.contains(&address) {
                 // SAFETY: QEMU copies what it needs; no data is passed.
                 unsafe {
@@ -164,7 +189,12 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
         }
         if settings.histogram.is_some() {
             let line = *lines.entry(address).or_insert_with(|| {
-                Box::leak(Box::new(Line { bytes, opcode, cycles, count: AtomicU64::new(0) }))
+                Box::leak(Box::new(Line {
+                    bytes,
+                    opcode,
+                    cycles,
+                    count: AtomicU64::new(0),
+                }))
             });
             // SAFETY: the counter is leaked, so it outlives the translated code that adds to it.
             unsafe {
@@ -179,7 +209,14 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
     }
     let run = ptr::from_ref::<Run>(Box::leak(Box::new(run)));
     // SAFETY: `run` is leaked and never written again.
-    unsafe { api::qemu_plugin_register_vcpu_tb_exec_cb(block, on_block, api::NO_REGISTERS, run.cast_mut().cast()) };
+    unsafe {
+        api::qemu_plugin_register_vcpu_tb_exec_cb(
+            block,
+            on_block,
+            api::NO_REGISTERS,
+            run.cast_mut().cast(),
+        )
+    };
 }
 
 /// Opcode and length in bytes. QEMU 7.2 gives 4 bytes for a 2-byte Thumb instruction in front of a 1 KiB border, so
@@ -195,8 +232,16 @@ unsafe fn decode(instruction: *const api::Instruction, is_arm: bool) -> (u32, u6
     };
     // SAFETY: the caller's.
     let size = unsafe { api::qemu_plugin_insn_size(instruction) };
-    let is_long = if is_arm { halfword(0) >> 11 >= 0b11101 } else { size == 4 };
-    if is_long { (halfword(0) << 16 | halfword(2), 4) } else { (halfword(0), 2) }
+    let is_long = if is_arm {
+        halfword(0) >> 11 >= 0b11101
+    } else {
+        size == 4
+    };
+    if is_long {
+        (halfword(0) << 16 | halfword(2), 4)
+    } else {
+        (halfword(0), 2)
+    }
 }
 
 extern "C" fn on_exit(_id: Id, _data: *mut c_void) {
@@ -215,8 +260,17 @@ extern "C" fn on_exit(_id: Id, _data: *mut c_void) {
     if let Some(file) = &settings.histogram {
         let mut table = String::from("address,bytes,opcode,count,cycles_each\n");
         for (address, line) in LINES.lock().unwrap().iter() {
-            let Line { bytes, opcode, cycles, count } = line;
-            let _ = writeln!(table, "{address:#x},{bytes},{opcode:#x},{},{cycles}", count.load(Relaxed));
+            let Line {
+                bytes,
+                opcode,
+                cycles,
+                count,
+            } = line;
+            let _ = writeln!(
+                table,
+                "{address:#x},{bytes},{opcode:#x},{},{cycles}",
+                count.load(Relaxed)
+            );
         }
         write(file, &table);
     }
@@ -272,7 +326,11 @@ pub unsafe extern "C" fn qemu_plugin_install(
     let text = |string| unsafe { CStr::from_ptr(string) };
     let arguments: Vec<_> = (0..argc as usize)
         // SAFETY: `argv` has `argc` entries.
-        .map(|index| text(unsafe { *argv.add(index) }).to_string_lossy().into_owned())
+        .map(|index| {
+            text(unsafe { *argv.add(index) })
+                .to_string_lossy()
+                .into_owned()
+        })
         .collect();
     // SAFETY: `info` is valid, and its first field is the target's name in every version of the interface.
     let target = text(unsafe { (*info).target_name });
