@@ -3,8 +3,7 @@
 use std::{env, fs, path::PathBuf};
 
 fn main() {
-    let machine =
-        env::var("MACHINE").expect("MACHINE names a file of memory/, as in MACHINE=microbit");
+    let machine = env::var("MACHINE").expect("MACHINE names a file of memory/, as in MACHINE=microbit");
     let layout = format!("memory/{machine}.x");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(&layout, out.join("memory.x")).unwrap_or_else(|e| panic!("{layout}: {e}"));

@@ -9,10 +9,11 @@ use anyhow::{Context, Result, bail};
 
 /// The root of the repository.
 pub fn root() -> PathBuf {
-    // `cargo run` sets the variable; a binary that is started by hand knows where it was built.
-    let xtask = std::env::var_os("CARGO_MANIFEST_DIR")
+    // `cargo run` sets the variable, for any of our packages; a binary started by hand knows where it was built.
+    let package = std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
-    xtask.parent().map_or(xtask.clone(), Path::to_path_buf)
+    let root = package.ancestors().find(|folder| folder.join("xtask/Cargo.toml").is_file());
+    root.unwrap_or(&package).to_path_buf()
 }
 
 /// Cargo's target folder of the main workspace.

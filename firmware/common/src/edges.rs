@@ -82,10 +82,6 @@ fn pair(crc: &mut Crc, a: i64, b: i64) {
     for value in narrow {
         crc.bytes(&value.to_le_bytes());
     }
-    crc.word(
-        facts
-            .iter()
-            .fold(0, |bits, &fact| bits << 1 | u32::from(fact)),
-    );
+    crc.word(facts.iter().fold(0, |bits, &fact| bits << 1 | u32::from(fact)));
     crc.word(a.leading_zeros() << 16 | b.trailing_zeros() << 8 | b.count_ones());
 }

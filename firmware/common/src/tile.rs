@@ -16,9 +16,7 @@ pub struct Frame {
 
 impl Frame {
     pub const fn new(width: u32, height: u32) -> Self {
-        assert!(
-            width.is_multiple_of(SIDE) && height.is_multiple_of(SIDE) && width > 0 && height > 0
-        );
+        assert!(width.is_multiple_of(SIDE) && height.is_multiple_of(SIDE) && width > 0 && height > 0);
         Self { width, height }
     }
 

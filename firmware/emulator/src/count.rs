@@ -34,27 +34,19 @@ pub struct Counts {
 
 /// Builds the plugin for this computer's QEMU.
 pub fn plugin() -> Result<PathBuf> {
-    toolchain::build_for_host(&Build {
+    let build = Build {
         package: "emulator/plugin",
-        artifact: "libqemu_count.so",
-        target: "",
         features: &[],
         environment: &[],
         name: "libqemu_count.so",
-    })
+    };
+    toolchain::build_for_host(&build, "libqemu_count.so")
 }
 
 /// Runs `program` once and reads the plugin's report; `histogram` receives a CSV of every address executed.
-pub fn run(
-    machine: Machine,
-    program: &Path,
-    plugin: &Path,
-    histogram: Option<&Path>,
-) -> Result<Counts> {
+pub fn run(machine: Machine, program: &Path, plugin: &Path, histogram: Option<&Path>) -> Result<Counts> {
     ensure!(machine.in_qemu(), "{} does not run in QEMU", machine.name());
-    let report = toolchain::target_folder()
-        .join("emulator")
-        .join(format!("{}.report", machine.name()));
+    let report = toolchain::work_folder()?.join(format!("{}.report", machine.name()));
     let mut argument = format!(
         "{},report={},{}",
         plugin.display(),

@@ -48,11 +48,7 @@ fn parse(line: &str) -> Result<Line> {
 
 /// The table, and the number of rows that are not equal in every column.
 fn compare(columns: &[(Machine, Vec<Line>)]) -> (String, usize) {
-    let rows = columns
-        .iter()
-        .map(|(_, lines)| lines.len())
-        .max()
-        .unwrap_or(0);
+    let rows = columns.iter().map(|(_, lines)| lines.len()).max().unwrap_or(0);
     let mut table = String::new();
     let mut differing = 0;
     for row in 0..rows {

@@ -103,18 +103,17 @@ impl Machine {
 
     /// Builds the program that runs the jobs there.
     pub fn build(self) -> Result<std::path::PathBuf> {
-        let (package, artifact) = match self {
-            Self::Wasm32 => ("wasm", "firmware_wasm.wasm"),
+        let (package, program) = match self {
+            Self::Wasm32 => ("wasm", "firmware_wasm"),
             _ => ("qemu", "firmware-qemu"),
         };
-        toolchain::build(&Build {
+        let build = Build {
             package,
-            artifact,
-            target: self.target(),
             features: &[],
             environment: &[("MACHINE", self.name())],
             name: self.name(),
-        })
+        };
+        toolchain::build(&build, self.target(), program)
     }
 
     /// QEMU for this machine, up to the program and plugins.

@@ -151,19 +151,14 @@ pub fn bare(program: &Path) -> Result<Command> {
 
 /// Builds the firmware; `provoke` names a fault that it then has.
 fn build(screen: Screen, provoke: &str) -> Result<PathBuf> {
-    let features: &[_] = if screen == Screen::Wide {
-        &["wide"]
-    } else {
-        &[]
-    };
-    toolchain::build(&Build {
+    let features: &[_] = if screen == Screen::Wide { &["wide"] } else { &[] };
+    let build = Build {
         package: "pico",
-        artifact: "firmware-pico",
-        target: "thumbv6m-none-eabi",
         features,
         environment: &[("MICROLUX_PROVOKE", provoke)],
         name: "pico",
-    })
+    };
+    toolchain::build(&build, "thumbv6m-none-eabi", "firmware-pico")
 }
 
 /// Node with the emulator's script; installs its two packages the first time.
@@ -171,8 +166,7 @@ fn emulator(program: &Path) -> Result<Command> {
     let folder = toolchain::firmware().join("emulator/rp2040");
     if !folder.join("node_modules").is_dir() {
         let mut npm = Command::new("npm");
-        npm.args(["ci", "--no-audit", "--no-fund"])
-            .current_dir(&folder);
+        npm.args(["ci", "--no-audit", "--no-fund"]).current_dir(&folder);
         let finished = process::run(&mut npm, LIMIT, false)?;
         ensure!(
             finished.status.success(),
@@ -188,7 +182,7 @@ fn emulator(program: &Path) -> Result<Command> {
 
 /// A file among the build's, not there yet.
 fn scratch(name: &str) -> Result<PathBuf> {
-    let file = toolchain::target_folder().join("emulator").join(name);
+    let file = toolchain::work_folder()?.join(name);
     match fs::remove_file(&file) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
         _ => Ok(file),
@@ -243,10 +237,7 @@ mod tests {
         let mut shown = expected.clone();
         assert_eq!(first_difference(&shown, &expected, 240).unwrap(), None);
         shown[3 * (5 * 240 + 7) + 1] ^= 1;
-        assert_eq!(
-            first_difference(&shown, &expected, 240).unwrap(),
-            Some((7, 5))
-        );
+        assert_eq!(first_difference(&shown, &expected, 240).unwrap(), Some((7, 5)));
         assert!(first_difference(&shown[3..], &expected, 240).is_err());
     }
 }

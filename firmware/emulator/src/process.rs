@@ -50,8 +50,7 @@ pub fn run(command: &mut Command, limit: Duration, pass_errors: bool) -> Result<
         }
         thread::sleep(Duration::from_millis(5));
     };
-    let text =
-        |reader: thread::JoinHandle<String>| reader.join().expect("the reader does not panic");
+    let text = |reader: thread::JoinHandle<String>| reader.join().expect("the reader does not panic");
     Ok(Finished {
         status,
         stdout: text(stdout),
@@ -78,23 +77,14 @@ mod tests {
     #[test]
     fn stops_what_does_not_end() {
         let start = Instant::now();
-        let result = run(
-            Command::new("sleep").arg("60"),
-            Duration::from_millis(50),
-            false,
-        );
+        let result = run(Command::new("sleep").arg("60"), Duration::from_millis(50), false);
         assert!(result.is_err());
         assert!(start.elapsed() < Duration::from_secs(20));
     }
 
     #[test]
     fn collects_more_than_a_pipe_holds() {
-        let finished = run(
-            Command::new("seq").arg("100000"),
-            Duration::from_secs(20),
-            false,
-        )
-        .unwrap();
+        let finished = run(Command::new("seq").arg("100000"), Duration::from_secs(20), false).unwrap();
         assert!(finished.status.success());
         assert_eq!(finished.stdout.lines().count(), 100_000);
     }

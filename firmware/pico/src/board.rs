@@ -73,8 +73,7 @@ pub fn start(mut p: pac::Peripherals) -> Option<Board> {
     let crystal = xosc::setup_xosc_blocking(p.XOSC, CRYSTAL).ok()?;
     watchdog.enable_tick_generation(12);
     let mut clocks = ClocksManager::new(p.CLOCKS);
-    let system =
-        pll::setup_pll_blocking(p.PLL_SYS, CRYSTAL, SYSTEM, &mut clocks, &mut p.RESETS).ok()?;
+    let system = pll::setup_pll_blocking(p.PLL_SYS, CRYSTAL, SYSTEM, &mut clocks, &mut p.RESETS).ok()?;
     let usb = pll::common_configs::PLL_USB_48MHZ;
     let usb = pll::setup_pll_blocking(p.PLL_USB, CRYSTAL, usb, &mut clocks, &mut p.RESETS).ok()?;
     clocks.init_default(&crystal, &system, &usb).ok()?;
@@ -84,12 +83,7 @@ pub fn start(mut p: pac::Peripherals) -> Option<Board> {
     let sio = Sio::new(p.SIO);
     let pins = Pins::new(p.IO_BANK0, p.PADS_BANK0, sio.gpio_bank0, &mut p.RESETS);
 
-    let speed = UartConfig::new(
-        921_600.Hz(),
-        uart::DataBits::Eight,
-        None,
-        uart::StopBits::One,
-    );
+    let speed = UartConfig::new(921_600.Hz(), uart::DataBits::Eight, None, uart::StopBits::One);
     let console = UartPeripheral::new(
         p.UART0,
         (pins.gpio0.reconfigure(), pins.gpio1.reconfigure()),
@@ -119,18 +113,13 @@ pub fn start(mut p: pac::Peripherals) -> Option<Board> {
     } else {
         (FRAME.width(), FRAME.height())
     };
-    let screen = Builder::new(
-        Panel {
-            was_awake: was_hung,
-        },
-        bus,
-    )
-    .display_size(width as u16, height as u16)
-    .orientation(Orientation::new().rotate(turn))
-    .invert_colors(ColorInversion::Inverted)
-    .reset_pin(pins.gpio21.into_push_pull_output())
-    .init(&mut timer)
-    .ok()?;
+    let screen = Builder::new(Panel { was_awake: was_hung }, bus)
+        .display_size(width as u16, height as u16)
+        .orientation(Orientation::new().rotate(turn))
+        .invert_colors(ColorInversion::Inverted)
+        .reset_pin(pins.gpio21.into_push_pull_output())
+        .init(&mut timer)
+        .ok()?;
     Some(Board {
         screen,
         console,

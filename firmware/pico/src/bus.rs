@@ -116,8 +116,7 @@ impl Bus {
             buffer: free,
         }) = self.line.take()
         {
-            let transfer =
-                single_buffer::Config::new(channel, Bytes { buffer, filled }, port).start();
+            let transfer = single_buffer::Config::new(channel, Bytes { buffer, filled }, port).start();
             self.line = Some(Line::Sending(transfer));
             self.spare = Some(free);
         }
@@ -165,11 +164,7 @@ impl Interface for Bus {
         Ok(())
     }
 
-    fn send_repeated_pixel<const N: usize>(
-        &mut self,
-        pixel: [u8; N],
-        count: u32,
-    ) -> Result<(), Infallible> {
+    fn send_repeated_pixel<const N: usize>(&mut self, pixel: [u8; N], count: u32) -> Result<(), Infallible> {
         self.send_pixels((0..count).map(|_| pixel))
     }
 }

@@ -73,10 +73,7 @@ pub fn stop(cause: Cause) -> ! {
         }
         while board.UART0.uartfr().read().txff().bit_is_set() {}
         // SAFETY: any byte may be sent.
-        board
-            .UART0
-            .uartdr()
-            .write(|w| unsafe { w.data().bits(byte) });
+        board.UART0.uartdr().write(|w| unsafe { w.data().bits(byte) });
     }
     if let Some(colour) = cause.colour()
         && up.spi0().bit_is_set()

@@ -45,8 +45,7 @@ static CORE_1_STACK: Stack<4096> = Stack::new();
 
 #[hal::entry]
 fn main() -> ! {
-    let (Some(peripherals), Some(core)) = (pac::Peripherals::take(), pac::CorePeripherals::take())
-    else {
+    let (Some(peripherals), Some(core)) = (pac::Peripherals::take(), pac::CorePeripherals::take()) else {
         fault::stop(Cause::Display)
     };
     guard::install(&core.MPU);

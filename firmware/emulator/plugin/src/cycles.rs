@@ -11,16 +11,16 @@ pub const fn of(opcode: u32, bytes: u64) -> u64 {
         return 3; // BL, MRS, MSR and the barriers: ARMv6-M has no other
     }
     let cycles = match opcode >> 12 {
-        0b0100 if opcode >> 11 == 0b01001 => 2, // LDR from the literal pool
+        0b0100 if opcode >> 11 == 0b01001 => 2,    // LDR from the literal pool
         0b0100 if opcode >> 8 == 0b0100_0111 => 2, // BX, BLX
         0b0100 if matches!(opcode & 0xff87, 0x4487 | 0x4687) => 2, // ADD, MOV to PC
-        0b0101..=0b1001 => 2,                   // loads and stores of one register
+        0b0101..=0b1001 => 2,                      // loads and stores of one register
         0b1011 if opcode >> 9 == 0b101_1010 => 1 + (opcode & 0x1ff).count_ones(), // PUSH
         0b1011 if opcode >> 8 == 0b1011_1100 => 1 + (opcode & 0xff).count_ones(), // POP
         0b1011 if opcode >> 8 == 0b1011_1101 => 3 + (opcode & 0xff).count_ones(), // POP with PC
         0b1011 if matches!(opcode, 0xbf20 | 0xbf30) => 2, // WFE, WFI
         0b1100 => 1 + (opcode & 0xff).count_ones(), // LDM, STM
-        0b1110 => 2,                            // B
+        0b1110 => 2,                               // B
         _ => 1,
     };
     cycles as u64

@@ -210,12 +210,7 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
     let run = ptr::from_ref::<Run>(Box::leak(Box::new(run)));
     // SAFETY: `run` is leaked and never written again.
     unsafe {
-        api::qemu_plugin_register_vcpu_tb_exec_cb(
-            block,
-            on_block,
-            api::NO_REGISTERS,
-            run.cast_mut().cast(),
-        )
+        api::qemu_plugin_register_vcpu_tb_exec_cb(block, on_block, api::NO_REGISTERS, run.cast_mut().cast())
     };
 }
 
@@ -326,11 +321,7 @@ pub unsafe extern "C" fn qemu_plugin_install(
     let text = |string| unsafe { CStr::from_ptr(string) };
     let arguments: Vec<_> = (0..argc as usize)
         // SAFETY: `argv` has `argc` entries.
-        .map(|index| {
-            text(unsafe { *argv.add(index) })
-                .to_string_lossy()
-                .into_owned()
-        })
+        .map(|index| text(unsafe { *argv.add(index) }).to_string_lossy().into_owned())
         .collect();
     // SAFETY: `info` is valid, and its first field is the target's name in every version of the interface.
     let target = text(unsafe { (*info).target_name });
