@@ -1,4 +1,4 @@
-//! The Pico and what is wired to it.
+//! The Pico, or the Pico 2, and what is wired to it.
 //!
 //! | GPIO | to |
 //! | --- | --- |
@@ -10,29 +10,34 @@
 //! | 21 | display RST |
 //! | 25 | the Pico's LED |
 
-use embedded_hal::digital::OutputPin;
-use fugit::{HertzU32, RateExtU32};
-use mipidsi::{
-    Builder, Display,
-    options::{ColorInversion, Orientation, Rotation},
-};
-use rp2040_hal::{
-    Clock, Sio, Timer, Watchdog,
+use crate::hal::{
+    Clock, Sio, Watchdog,
     clocks::ClocksManager,
     dma::DMAExt,
+    fugit::{HertzU32, RateExtU32},
     gpio::{
         FunctionSioOutput, FunctionUart, Pin, Pins, PullDown,
         bank0::{Gpio0, Gpio1, Gpio21},
     },
     pac::{self, UART0},
-    pll::{self, PLLConfig},
+    pll,
     sio::SioFifo,
     spi::Spi,
     uart::{self, UartConfig, UartPeripheral},
     xosc,
 };
+use embedded_hal::digital::OutputPin;
+use mipidsi::{
+    Builder, Display,
+    options::{ColorInversion, Orientation, Rotation},
+};
 
-use crate::{FRAME, bus::Bus, panel::Panel};
+use crate::{
+    app::FRAME,
+    bus::Bus,
+    chip::{self, SPI, SYSTEM, Timer},
+    panel::Panel,
+};
 
 pub type Screen = Display<Bus, Panel, Pin<Gpio21, FunctionSioOutput, PullDown>>;
 pub type Console = UartPeripheral<
@@ -45,15 +50,6 @@ pub type Console = UartPeripheral<
 >;
 
 const CRYSTAL: HertzU32 = HertzU32::MHz(12);
-/// 12 MHz * 133 / (6 * 2) = 133 MHz, the RP2040's rated clock.
-const SYSTEM: PLLConfig = PLLConfig {
-    vco_freq: HertzU32::MHz(1596),
-    refdiv: 1,
-    post_div1: 6,
-    post_div2: 2,
-};
-/// A quarter of the clock: the next divisor, a half, is beyond the display's 62.5 MHz.
-const SPI: HertzU32 = HertzU32::Hz(33_250_000);
 
 pub struct Board {
     pub screen: Screen,
@@ -79,7 +75,7 @@ pub fn start(mut p: pac::Peripherals) -> Option<Board> {
     clocks.init_default(&crystal, &system, &usb).ok()?;
     let peripheral_clock = clocks.peripheral_clock.freq();
 
-    let mut timer = Timer::new(p.TIMER, &mut p.RESETS, &clocks);
+    let mut timer = chip::timer(chip::timer_of!(p), &mut p.RESETS, &clocks);
     let sio = Sio::new(p.SIO);
     let pins = Pins::new(p.IO_BANK0, p.PADS_BANK0, sio.gpio_bank0, &mut p.RESETS);
 

@@ -2,12 +2,7 @@
 
 use core::convert::Infallible;
 
-use cortex_m::singleton;
-use embedded_dma::ReadBuffer;
-use embedded_hal::{digital::OutputPin, spi::SpiBus};
-use firmware_common::tile;
-use mipidsi::interface::{Interface, InterfaceKind};
-use rp2040_hal::{
+use crate::hal::{
     dma::{CH0, Channel, single_buffer},
     gpio::{
         FunctionSioOutput, FunctionSpi, Pin, PullDown,
@@ -16,6 +11,11 @@ use rp2040_hal::{
     pac::SPI0,
     spi::{Enabled, Spi},
 };
+use cortex_m::singleton;
+use embedded_dma::ReadBuffer;
+use embedded_hal::{digital::OutputPin, spi::SpiBus};
+use firmware_common::tile;
+use mipidsi::interface::{Interface, InterfaceKind};
 
 /// Bytes of one DMA transfer: a tile.
 const CAPACITY: usize = 2 * tile::PIXELS;

@@ -11,7 +11,7 @@
 
 use core::{arch::naked_asm, panic::PanicInfo};
 
-use rp2040_hal::pac;
+use crate::{chip, hal::pac};
 
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
@@ -129,12 +129,11 @@ fn fill(board: &pac::Peripherals, colour: u16) {
 fn blink(board: &pac::Peripherals, times: u32) -> ! {
     const LED: usize = 25;
     const SIO_FUNCTION: u8 = 5;
-    /// At 133 MHz about a fifth of a second.
-    const STEP: u32 = 26_000_000;
     board
         .RESETS
         .reset()
         .modify(|_, w| w.io_bank0().clear_bit().pads_bank0().clear_bit());
+    chip::release_led(board);
     // SAFETY: 5 selects the processors' own port, and a one bit is a pin.
     unsafe {
         board
@@ -148,12 +147,12 @@ fn blink(board: &pac::Peripherals, times: u32) -> ! {
         for _ in 0..times {
             // SAFETY: as above.
             unsafe { board.SIO.gpio_out_set().write(|w| w.bits(1 << LED)) };
-            cortex_m::asm::delay(STEP);
+            cortex_m::asm::delay(chip::BLINK);
             // SAFETY: as above.
             unsafe { board.SIO.gpio_out_clr().write(|w| w.bits(1 << LED)) };
-            cortex_m::asm::delay(STEP);
+            cortex_m::asm::delay(chip::BLINK);
         }
-        cortex_m::asm::delay(4 * STEP);
+        cortex_m::asm::delay(4 * chip::BLINK);
     }
 }
 
@@ -171,6 +170,7 @@ fn panic(info: &PanicInfo) -> ! {
 #[unsafe(no_mangle)]
 unsafe extern "C" fn HardFault() -> ! {
     naked_asm!(
+        chip::lift_stack_limit!(),
         "ldr r0, =_stack_start",
         "mov sp, r0",
         "bl {after}",

@@ -10,7 +10,7 @@ use embedded_graphics_core::{
 };
 use firmware_common::tile;
 
-use crate::{FRAME, board::Screen};
+use crate::{app::FRAME, board::Screen};
 
 /// Tiles handed out so far, of the frame at hand.
 static TAKEN: Mutex<Cell<u32>> = Mutex::new(Cell::new(0));
