@@ -93,3 +93,38 @@ pub const WIDE: Frame = Frame::new(320, 240);
 pub(crate) fn picture() -> u32 {
     SQUARE.crc()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_cover_the_frame_once() {
+        for frame in [SQUARE, WIDE] {
+            let columns = frame.width() / SIDE;
+            let mut seen = [false; 400];
+            for index in 0..frame.tiles() {
+                let (left, top) = frame.origin(index);
+                assert!(left + SIDE <= frame.width() && top + SIDE <= frame.height());
+                let place = (top / SIDE * columns + left / SIDE) as usize;
+                assert!(!core::mem::replace(&mut seen[place], true));
+            }
+            assert_eq!(frame.tiles() * SIDE * SIDE, frame.width() * frame.height());
+        }
+    }
+
+    #[test]
+    fn card_shows_which_way_is_up() {
+        let mut pixels = [0; PIXELS];
+        SQUARE.render(0, &mut pixels);
+        assert_eq!(pixels[0], 0xffff, "white upper left");
+        SQUARE.render(SQUARE.tiles() - 1, &mut pixels);
+        assert_eq!(
+            pixels[PIXELS - 1],
+            0xffff,
+            "red, green and blue at the lower right"
+        );
+        SQUARE.render(14, &mut pixels);
+        assert_eq!(pixels[15], 0xf800, "red alone at the upper right");
+    }
+}

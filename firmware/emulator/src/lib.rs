@@ -5,5 +5,6 @@ pub mod identity;
 pub mod machine;
 pub mod pico;
 mod process;
+pub mod size;
 mod symbols;
 pub mod toolchain;

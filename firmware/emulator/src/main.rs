@@ -1,4 +1,4 @@
-//! `emulator run`, `emulator identity`, `emulator count`, `emulator faults`.
+//! `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -8,6 +8,7 @@ use emulator::{
     count, identity,
     machine::Machine,
     pico::{self, Screen},
+    size,
 };
 
 /// Runs the firmware without a board
@@ -39,6 +40,8 @@ enum Command {
         #[arg(long)]
         histograms: Option<PathBuf>,
     },
+    /// Builds every board's firmware and prints the flash and RAM it takes
+    Size,
     /// Makes the Pico's firmware fail on purpose and checks what it shows
     Faults,
 }
@@ -94,6 +97,7 @@ fn run(options: &Run) -> Result<()> {
 fn execute(command: Command) -> Result<()> {
     match command {
         Command::Run(options) => run(&options),
+        Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {
             &Machine::ALL
