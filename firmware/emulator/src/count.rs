@@ -114,9 +114,12 @@ fn parse(report: &str) -> Result<Counts> {
 
 /// Counts the jobs on `machines`, each `runs` times, which must agree, and prints a table.
 ///
-/// `histograms` is a folder for a CSV of each machine.
+/// `histograms` is a folder, made if need be, for a CSV of each machine.
 pub fn table(machines: &[Machine], runs: u32, histograms: Option<&Path>) -> Result<()> {
     let plugin = plugin()?;
+    if let Some(folder) = histograms {
+        fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+    }
     println!("machine     core       region           entries  instructions    m0+ cycles");
     for &machine in machines {
         let program = machine.build()?;
