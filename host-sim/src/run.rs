@@ -221,7 +221,10 @@ pub fn render_fixed(
         None
     };
     let size = Size::new(options.width, options.height);
-    let whole = Tile { area: Rectangle::new(Point::zero(), size), pixels: &pixels };
+    let whole = Tile {
+        area: Rectangle::new(Point::zero(), size),
+        pixels: &pixels,
+    };
     let display = Some(show::tiles(options.width, [whole], options.display, options.look));
     let picture = Picture {
         width: options.width as usize,

@@ -141,7 +141,7 @@ impl Path {
             dir: sample.wi,
         };
         *rays += 1;
-        if scene.occluded(&shadow, sample.distance) {
+        if scene.occluded(&shadow, sample.distance, sample.shape) {
             return Radiance::BLACK;
         }
         let arriving = reflected.mul(sample.radiance);

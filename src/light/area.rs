@@ -1,7 +1,7 @@
 use super::{Emitter, LightSample};
 use crate::color::Radiance;
 use crate::geom::{Dir, Frame, Point};
-use crate::num::{ONE_Q16, Uniform, Wide, isqrt, mul_hi, mul_q16, recip};
+use crate::num::{ONE_Q16, Turn, Uniform, Wide, isqrt, mul_q16, recip, sin_cos};
 use crate::sampler::warp;
 use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere};
 
@@ -68,6 +68,7 @@ pub fn sample_area(
         distance: short_of(norm.length(), lift, cos),
         radiance,
         pdf: norm.square() / (area * Wide::from_q16(cos)),
+        shape: None,
     })
 }
 
@@ -109,6 +110,7 @@ fn short_of(length: i32, lift: i32, cos: i32) -> i32 {
 struct Cone {
     /// Towards the centre.
     axis: Dir,
+    distance: i32,
     /// sin² θmax = r²/d².
     sin2_max: Wide,
     /// 1 − cos θmax, to full relative precision however small.
@@ -133,13 +135,13 @@ fn cone(sphere: &Sphere, from: Point) -> Option<Cone> {
     let versine = sin2_max / Wide::from_q16(ONE_Q16 + cos_max);
     Some(Cone {
         axis,
+        distance: norm.length(),
         sin2_max,
         versine,
     })
 }
 
-/// Uniform in the cone, then to the point of the sphere that such a direction meets (pbrt, 4th ed., section 6.2.4), in
-/// quantities that keep their precision for cones of any width.
+/// Uniform in the cone, in quantities that keep their precision for cones of any width.
 fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
     let cone = cone(sphere, from)?;
     // With q = 1 − cos θmax: 1 − cos θ = u q, so (sin θ / sin θmax)² = u (2 − u q) / (2 − q).
@@ -147,28 +149,22 @@ fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 
     let u0 = (u[0].to_bits() >> 16) as i32;
     let uq = mul_q16(u0, q);
     let share = recip((2 * ONE_Q16 - q) as u32).times(mul_q16(u0, 2 * ONE_Q16 - uq), 16);
-    let share_bits = (share.clamp(0, ONE_Q16 - 1) as u32) << 16;
-    // Seen from the centre, the point lies α off the way back: cos α = ratio sin θ + cos θ √(1 − ratio²).
-    let sin_max = cone.sin2_max.sqrt().to_fixed(16) as i32;
-    let cos_alpha = mul_q16(share, sin_max) + mul_q16(ONE_Q16 - uq, isqrt(!share_bits) as i32);
-    let cos_alpha = cos_alpha.clamp(0, ONE_Q16);
-    let cos_bits = (cos_alpha.min(ONE_Q16 - 1) as u32) << 16;
-    let sin_alpha = isqrt(!mul_hi(cos_bits, cos_bits)) as i32;
-    let (sin_phi, cos_phi) = crate::num::sin_cos(crate::num::Turn::from_bits(u[1].to_bits()));
-    let frame = Frame::about(-cone.axis);
-    let normal = frame.to_world(Dir([
-        mul_q16(sin_alpha, cos_phi),
-        mul_q16(sin_alpha, sin_phi),
-        cos_alpha,
-    ]));
-    // Lifted, so that the shadow ray ends before the light itself.
-    let target = sphere.center.along(normal, sphere.radius + sphere.lift());
-    let (wi, norm) = from.to(target).normalize()?;
-    let length = norm.length();
+    let share = (share.clamp(0, ONE_Q16 - 1) as u32) << 16;
+    let sin_theta = mul_q16(isqrt(share) as i32, cone.sin2_max.sqrt().to_fixed(16) as i32);
+    let (sin_phi, cos_phi) = sin_cos(Turn::from_bits(u[1].to_bits()));
+    let local = Dir([
+        mul_q16(sin_theta, cos_phi),
+        mul_q16(sin_theta, sin_phi),
+        ONE_Q16 - uq,
+    ]);
+    // The way there leads d cos θ ahead, less half a chord: r √(1 − (sin θ / sin θmax)²) (pbrt, 4th ed., 6.2.4).
+    let chord = mul_q16(sphere.radius, isqrt(!share) as i32);
+    let distance = mul_q16(cone.distance, ONE_Q16 - uq) - chord;
     Some(LightSample {
-        wi,
-        distance: length - (length >> 12),
+        wi: Frame::about(cone.axis).to_world(local),
+        distance,
         radiance,
         pdf: cone.pdf(),
+        shape: None,
     })
 }

@@ -35,6 +35,8 @@ pub struct LightSample {
     pub radiance: Radiance,
     /// Per solid angle; [`Wide::ZERO`] for a delta light.
     pub pdf: Wide,
+    /// The sphere that the light is: it does not stand in its own way, however the distance was rounded at its rim.
+    pub shape: Option<u16>,
 }
 
 impl LightSample {
@@ -59,6 +61,7 @@ pub fn sample_point(
         distance: norm.length(),
         radiance: intensity.scale(square.recip()),
         pdf: Wide::ZERO,
+        shape: None,
     })
 }
 
@@ -70,6 +73,7 @@ pub fn sample_directional(direction: Dir, irradiance: Radiance) -> LightSample {
         distance: FAR,
         radiance: irradiance,
         pdf: Wide::ZERO,
+        shape: None,
     }
 }
 

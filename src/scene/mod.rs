@@ -178,7 +178,12 @@ impl<'a> Scene<'a> {
             Light::Area { shape, radiance } => {
                 let geometry = &self.parts.shapes.get(shape as usize)?.geometry;
                 let Geometry::Mesh(mesh) = *geometry else {
-                    return light::sample_area(Emitter::Shape(geometry), radiance, from, u);
+                    let sample = light::sample_area(Emitter::Shape(geometry), radiance, from, u)?;
+                    let is_sphere = matches!(geometry, Geometry::Sphere(_));
+                    return Some(LightSample {
+                        shape: is_sphere.then_some(shape),
+                        ..sample
+                    });
                 };
                 let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
                 let (triangle, rest) = light::choose(u[0], count);

@@ -6,9 +6,17 @@ use crate::geom::{FAR, Ray};
 use crate::shape::{Geometry, GridRay, Slopes};
 use core::ops::ControlFlow;
 
+/// Closed forms that are tested in turn without a tree.
+///
+/// A node's four boxes cost about what two spheres do, and the quantised ray one more.
+const FEW: u16 = 8;
+
 impl Scene<'_> {
     /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if self.is_small() {
+            return self.closest_of_few(ray);
+        }
         let slopes = Slopes::new(ray.dir);
         let mut nearest = Nearest {
             scene: self,
@@ -48,14 +56,13 @@ impl Scene<'_> {
         nearest.hit
     }
 
-    /// Whether anything stands nearer than `distance` along the ray.
-    pub fn occluded(&self, ray: &Ray, distance: i32) -> bool {
-        if (self.bounded()..self.parts.shapes.len()).any(|index| {
-            self.parts
-                .shapes
-                .get(index)
-                .is_some_and(|shape| shape.geometry.intersect(ray, distance).is_some())
-        }) {
+    /// Whether anything but shape number `except` stands nearer than `distance` along the ray.
+    pub fn occluded(&self, ray: &Ray, distance: i32, except: Option<u16>) -> bool {
+        let except = except.map_or(usize::MAX, usize::from);
+        if self.is_small() {
+            return self.any_of(0, ray, distance, except);
+        }
+        if self.any_of(self.bounded(), ray, distance, except) {
             return true;
         }
         let slopes = Slopes::new(ray.dir);
@@ -68,11 +75,42 @@ impl Scene<'_> {
             ray,
             slopes: &slopes,
             distance,
+            except,
             limit,
             found: false,
         };
         traverse(self.parts.nodes, &grid_ray, &mut any);
         any.found
+    }
+
+    /// Whether asking each shape in turn is cheaper than the tree: a few closed forms.
+    fn is_small(&self) -> bool {
+        self.parts.bounded <= FEW && self.parts.meshes.is_empty()
+    }
+
+    /// Whether a closed form from place `first` on is met within `distance`.
+    fn any_of(&self, first: usize, ray: &Ray, distance: i32, except: usize) -> bool {
+        let shapes = self.parts.shapes.iter().enumerate().skip(first);
+        shapes
+            .filter(|(index, _)| *index != except)
+            .any(|(_, s)| s.geometry.intersect(ray, distance).is_some())
+    }
+
+    fn closest_of_few(&self, ray: &Ray) -> Option<Hit> {
+        let mut t_max = FAR + 1;
+        let mut nearest = None;
+        for (index, shape) in self.parts.shapes.iter().enumerate() {
+            if let Some(t) = shape.geometry.intersect(ray, t_max) {
+                t_max = t;
+                nearest = Some(index as u16);
+            }
+        }
+        nearest.map(|shape| Hit {
+            t: t_max,
+            shape,
+            triangle: 0,
+            barycentric: [0; 2],
+        })
     }
 
     fn bounded(&self) -> usize {
@@ -178,6 +216,7 @@ struct Any<'a> {
     ray: &'a Ray,
     slopes: &'a Slopes,
     distance: i32,
+    except: usize,
     limit: i32,
     found: bool,
 }
@@ -191,7 +230,7 @@ impl Visitor for Any<'_> {
     #[inline]
     fn visit<const K: usize>(&mut self, _: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
         let parts = &self.scene.parts;
-        for index in first..first + count {
+        for index in (first..first + count).filter(|index| *index as usize != self.except) {
             let Some(shape) = parts.shapes.get(index as usize) else {
                 continue;
             };

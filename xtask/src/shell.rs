@@ -12,7 +12,9 @@ pub fn root() -> PathBuf {
     // `cargo run` sets the variable, for any of our packages; a binary started by hand knows where it was built.
     let package = std::env::var_os("CARGO_MANIFEST_DIR")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
-    let root = package.ancestors().find(|folder| folder.join("xtask/Cargo.toml").is_file());
+    let root = package
+        .ancestors()
+        .find(|folder| folder.join("xtask/Cargo.toml").is_file());
     root.unwrap_or(&package).to_path_buf()
 }
 
