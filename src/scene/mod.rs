@@ -2,6 +2,7 @@
 
 mod arrange;
 mod builder;
+pub mod builtin;
 mod check;
 mod query;
 

@@ -1,0 +1,69 @@
+//! Small scenes that come with the crate: for a first picture, for demonstrations, and to hold every target to the
+//! same bits (`tests/golden.txt`).
+//!
+//! Each is made by a function of its own, so that a program carries only those it names; [`Builtin`] names all.
+
+mod cornell;
+mod mesh;
+mod spheres;
+mod torus;
+
+use super::{Scene, SceneError};
+use crate::bvh::{Node, max_nodes};
+use crate::camera::Camera;
+
+pub use cornell::cornell;
+pub use mesh::OwnedMesh;
+pub use spheres::spheres;
+pub use torus::{Lamp, Torus, lamp, torus, torus_mesh};
+
+/// A built-in scene, chosen at run time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builtin {
+    /// See [`cornell`].
+    Cornell,
+    /// See [`spheres`].
+    Spheres,
+    /// See [`torus`].
+    Torus,
+}
+
+impl Builtin {
+    pub const ALL: [Builtin; 3] = [Builtin::Cornell, Builtin::Spheres, Builtin::Torus];
+
+    pub const fn name(self) -> &'static str {
+        match self {
+            Builtin::Cornell => "cornell",
+            Builtin::Spheres => "spheres",
+            Builtin::Torus => "torus",
+        }
+    }
+
+    /// The scene of that name.
+    pub fn named(name: &str) -> Option<Builtin> {
+        Builtin::ALL.into_iter().find(|scene| scene.name() == name)
+    }
+
+    /// Builds the scene on the stack and lends it out with its camera. The torus takes most: 3.2 KiB of meshes.
+    pub fn with<R>(self, render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+        match self {
+            Builtin::Cornell => {
+                let (mut builder, camera) = cornell()?;
+                let mut nodes = [Node::EMPTY; max_nodes(16)];
+                Ok(render(&builder.build(&mut nodes)?, camera))
+            }
+            Builtin::Spheres => {
+                let (mut builder, camera) = spheres()?;
+                let mut nodes = [Node::EMPTY; max_nodes(9)];
+                Ok(render(&builder.build(&mut nodes)?, camera))
+            }
+            Builtin::Torus => {
+                let (mut builder, camera) = torus()?;
+                let (ring, lamp) = (torus_mesh()?, lamp()?);
+                let meshes = [ring.mesh(), lamp.mesh()];
+                let mut nodes = [Node::EMPTY; max_nodes(3)];
+                Ok(render(&builder.build_with(&meshes, &mut nodes)?, camera))
+            }
+        }
+    }
+}
