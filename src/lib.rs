@@ -39,3 +39,6 @@ pub mod integrator;
 pub mod film;
 
 pub mod render;
+
+#[cfg(feature = "micromath")]
+pub mod setup;

@@ -23,8 +23,8 @@ enum Chore {
     Setup(setup::Options),
     /// Tell on modules of the core that use one to their right
     ///
-    /// The order is num, color, geom, sampler, shape, bvh, material, light, camera, scene, integrator, render; film
-    /// uses num and color, and render uses film. Code under #[cfg(test)] is exempt.
+    /// The order is num, color, geom, sampler, shape, bvh, material, light, camera, scene, integrator, render,
+    /// setup; film uses num and color, and render uses film. Code under #[cfg(test)] is exempt.
     Layers,
     /// Look for soft-float routines in a linked Cortex-M0+ program
     ///

@@ -93,7 +93,9 @@ fn clippy() -> Result<String> {
 }
 
 fn test(extra: &[&str]) -> Result<String> {
-    let output = shell::run_teed(shell::cargo("test").arg("--workspace").args(extra))?;
+    // Not every feature: host-sim's window needs SDL.
+    let features = ["--features", "microlux/micromath"];
+    let output = shell::run_teed(shell::cargo("test").arg("--workspace").args(features).args(extra))?;
     let total = summary::test_total(&output);
     ensure!(total.passed > 0, "no test ran");
     Ok(total.to_string())
@@ -102,7 +104,7 @@ fn test(extra: &[&str]) -> Result<String> {
 fn doc() -> Result<String> {
     shell::run(
         shell::cargo("doc")
-            .args(["--workspace", "--no-deps"])
+            .args(["--workspace", "--no-deps", "--features", "microlux/micromath"])
             .env("RUSTDOCFLAGS", "-D warnings"),
     )?;
     Ok("no warning".to_string())

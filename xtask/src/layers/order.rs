@@ -1,7 +1,7 @@
 //! The order itself, as ARCHITECTURE.md draws it.
 
 /// A room uses what stands before it.
-const CHAIN: [&str; 12] = [
+const CHAIN: [&str; 13] = [
     "num",
     "color",
     "geom",
@@ -14,6 +14,7 @@ const CHAIN: [&str; 12] = [
     "scene",
     "integrator",
     "render",
+    "setup",
 ];
 
 /// Beside the chain: uses [`FILM_USES`], and only [`FILM_USER`] uses it.
