@@ -20,7 +20,10 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     layers_have_a_place(args);
     let desc = source::load(&args.scene)?;
     let options = Options {
-        look: Look { exposure: args.exposure, tone_map: args.tone_map.into() },
+        look: Look {
+            exposure: args.exposure,
+            tone_map: args.tone_map.into(),
+        },
         display: args.display.map(DisplayKind::from),
         aov: !args.aov.is_empty(),
         ..args.settings.options(&desc)

@@ -202,7 +202,12 @@ mod tests {
                 let steps = [(x * 7 + y * 13) % 32, (x * 3 + y * 5) % 16, (x + y) % 8];
                 std::array::from_fn(|c| steps[c] as f32 / columns[c])
             };
-            Picture { width: 32, height: 24, rgb: (0..32 * 24).map(pixel).collect(), ..Picture::default() }
+            Picture {
+                width: 32,
+                height: 24,
+                rgb: (0..32 * 24).map(pixel).collect(),
+                ..Picture::default()
+            }
         };
         let m = Metrics::of(&picture([36.0, 16.0, 7.0]), &picture([32.0, 16.0, 8.0])).unwrap();
         // flip_evaluator 1.7 on the same signals, rounded to 8 bits: 0.200447; not rounded: 0.200478.
