@@ -66,7 +66,7 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub settings: Settings,
     /// Render with the f64 reference instead.
-    #[arg(long, conflicts_with_all = ["display", "aov"])]
+    #[arg(long, conflicts_with_all = ["display", "aov", "tone_map"])]
     pub reference: bool,
     /// Brighten PNG and display by this many stops (1 doubles the light); .exr and .pfm stay as they are.
     #[arg(long, value_name = "EV", default_value_t = 0.0, value_parser = exposure, allow_negative_numbers = true)]

@@ -100,11 +100,12 @@ impl State {
     fn rate_and_time_left(&self) -> String {
         let seconds = self.elapsed.as_secs_f64().max(1e-9);
         let left = seconds * (self.total.saturating_sub(self.done)) as f64 / self.done.max(1) as f64;
-        format!(
-            "{} rays/s  {} left",
-            short(self.rays as f64 / seconds),
-            clock(left)
-        )
+        // Not every renderer counts its rays before the end.
+        let rate = match self.rays {
+            0 => String::new(),
+            rays => format!("{} rays/s  ", short(rays as f64 / seconds)),
+        };
+        format!("{rate}{} left", clock(left))
     }
 }
 
@@ -131,6 +132,6 @@ mod tests {
             total: 0,
             rays: 0,
         };
-        assert_eq!(state.line(), "0 %  0 rays/s  0:00 left");
+        assert_eq!(state.line(), "0 %  0:00 left");
     }
 }

@@ -17,6 +17,7 @@ use crate::run::{self, Options, Progress, Stats};
 use crate::show::{DisplayKind, Look};
 
 pub fn render(args: &RenderArgs) -> Result<(), Failure> {
+    layers_have_a_place(args);
     let desc = source::load(&args.scene)?;
     let options = Options {
         look: Look {
@@ -28,10 +29,6 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         ..args.settings.options(&desc)
     };
     let outputs = Output::check_all(&paths(&args.outputs, &desc))?;
-    if options.aov && !outputs.iter().any(|output| output.format == Format::Exr) {
-        let message = "--aov writes its layers into an .exr file; add -o NAME.exr";
-        Cli::command().error(ErrorKind::ArgumentConflict, message).exit();
-    }
     let stop = stop::on_ctrl_c()?;
     let (picture, stats) = picture(args, &desc, &options, &stop)?;
     let style = Style {
@@ -61,6 +58,15 @@ pub fn render(args: &RenderArgs) -> Result<(), Failure> {
         summary(&desc.name, &options, &stats, &written)
     )?;
     Ok(())
+}
+
+/// Ends the program, as wrong usage, where `--aov` is asked for and no EXR file is.
+fn layers_have_a_place(args: &RenderArgs) {
+    let is_exr = |path: &PathBuf| Format::of(path) == Ok(Format::Exr);
+    if !args.aov.is_empty() && !args.outputs.iter().any(is_exr) {
+        let message = "--aov writes its layers into an .exr file; add -o NAME.exr";
+        Cli::command().error(ErrorKind::ArgumentConflict, message).exit();
+    }
 }
 
 /// The picture, made in a window if one is wanted.

@@ -8,7 +8,7 @@ use exr::prelude::*;
 use super::file::FileError;
 use super::{Aov, Layer, Picture};
 
-/// `R`, `G`, `B`, and the layers asked for, each row losslessly compressed (ZIP).
+/// `R`, `G`, `B`, and the layers asked for; scan lines, losslessly compressed (ZIP).
 pub fn encode(picture: &Picture, layers: &[Layer]) -> std::result::Result<Vec<u8>, String> {
     let mut channels = colour("", ["R", "G", "B"], &picture.rgb);
     if let Some(aov) = &picture.aov {
@@ -16,7 +16,8 @@ pub fn encode(picture: &Picture, layers: &[Layer]) -> std::result::Result<Vec<u8
     }
     let encoding = Encoding {
         compression: Compression::ZIP16,
-        ..Encoding::default()
+        blocks: Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
     };
     let channels = AnyChannels::sort(channels.into_iter().collect());
     let layer = exr::image::Layer::new(

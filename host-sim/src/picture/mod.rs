@@ -95,11 +95,6 @@ impl Format {
     }
 }
 
-/// 8-bit RGB rows as a PNG file.
-pub fn encode_png(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>, String> {
-    png::encode(width, height, pixels)
-}
-
 /// What is to be seen: the display's picture, else the light at `exposure` stops, clipped, as sRGB.
 pub fn display_pixels(picture: &Picture, exposure: f64) -> Vec<[u8; 3]> {
     match &picture.display {
