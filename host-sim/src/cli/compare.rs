@@ -9,9 +9,9 @@ use super::args::CompareArgs;
 use super::progress::Meter;
 use super::render::{Output, settings};
 use super::table::{Table, grouped, short};
-use super::{Failure, source, stop};
+use super::{Failure, source, stop, terminal};
 use crate::metrics::{self, Metrics, MetricsError};
-use crate::picture::{Format, Picture, Style, Target, read_exr};
+use crate::picture::{Format, Picture, Style, Target, display_pixels, read_exr};
 use crate::run::{self, Options, PrimaryReport, Stats};
 
 pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
@@ -74,8 +74,15 @@ pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
         let text = format!("{:#}\n", Value::Object(comparison.json()));
         target.write(text.as_bytes())?;
     }
-    if !args.quiet {
-        io::stdout().write_all(comparison.text().as_bytes())?;
+    if args.quiet {
+        return Ok(());
+    }
+    terminal::show(fixed.width, fixed.height, &display_pixels(&fixed, 0.0));
+    let mut out = io::stdout().lock();
+    out.write_all(comparison.text().as_bytes())?;
+    let files = outputs.iter().chain(&diff).map(|output| output.target.path());
+    for path in files.chain(json.as_ref().map(Target::path)) {
+        writeln!(out, "written to {}", path.display())?;
     }
     Ok(())
 }
