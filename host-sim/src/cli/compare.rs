@@ -14,6 +14,9 @@ use crate::metrics::{self, Metrics, MetricsError};
 use crate::picture::{Format, Picture, Style, Target, display_pixels, read_exr};
 use crate::run::{self, Options, PrimaryReport, Stats};
 
+/// What a renderer answers.
+type Made = Result<(Picture, Stats), run::Error>;
+
 pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
     let desc = source::load(&args.scene)?;
     let options = args.settings.options(&desc);
@@ -32,7 +35,7 @@ pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
 
     let stop = stop::on_ctrl_c()?;
     let failed = |error| Failure::of_run(&args.scene.scene, error);
-    let measured = |label: &'static str, make: &dyn Fn(&Meter) -> Result<(Picture, Stats), run::Error>| {
+    let measured = |label: &'static str, make: &dyn Fn(&Meter) -> Made| {
         let meter = Meter::new(label, args.quiet);
         let result = make(&meter);
         meter.finish();
