@@ -70,7 +70,7 @@ fn main() -> Result<(), std::boxed::Box<dyn Error>> {
     );
     if let Some(path) = std::env::args().nth(1) {
         let mut file = std::fs::File::create(&path)?;
-        write!(file, "P6 {WIDTH} {HEIGHT} 255\n")?;
+        writeln!(file, "P6 {WIDTH} {HEIGHT} 255")?;
         file.write_all(screen.data())?;
         println!("written to {path}");
     }
