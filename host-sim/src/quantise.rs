@@ -24,6 +24,19 @@ pub enum QuantiseError {
     Scene(#[from] SceneError),
 }
 
+/// What of a scene is left out, a line each: the picture will differ by it.
+pub fn losses(desc: &SceneDesc) -> Vec<String> {
+    let smooth =
+        |shape: &&ShapeDesc| matches!(&shape.geometry, GeometryDesc::Mesh(mesh) if !mesh.normals.is_empty());
+    let line = |shape: &ShapeDesc| {
+        let name = &shape.name;
+        format!(
+            "{name}: its smooth normals are left out, its faces are flat; face_normals true says that they shall be"
+        )
+    };
+    desc.shapes.iter().filter(smooth).map(line).collect()
+}
+
 /// A scene in the core's numbers, owned.
 #[derive(Debug)]
 pub struct CoreScene {

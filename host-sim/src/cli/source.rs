@@ -8,6 +8,7 @@ use super::{Failure, complain};
 use crate::builtin;
 use crate::desc::SceneDesc;
 use crate::import;
+use crate::quantise;
 use crate::run::MAX_SIDE;
 
 /// Endings of the files that are scenes.
@@ -47,7 +48,7 @@ fn from_file(args: &SceneArgs) -> Result<SceneDesc, Failure> {
     };
     let loaded =
         import::load(Path::new(&args.scene), &options).map_err(|error| Failure::Wrong(error.to_string()))?;
-    for warning in &loaded.warnings {
+    for warning in loaded.warnings.iter().chain(&quantise::losses(&loaded.scene)) {
         complain("warning", warning);
     }
     Ok(loaded.scene)
