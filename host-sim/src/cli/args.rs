@@ -63,8 +63,6 @@ pub struct RenderArgs {
     /// Write the picture; .png (8-bit sRGB), .exr or .pfm (linear light). May be given several times.
     #[arg(short, long = "output", value_name = "OUT")]
     pub outputs: Vec<PathBuf>,
-    #[command(flatten)]
-    pub settings: Settings,
     /// Render with the f64 reference instead.
     #[arg(long, conflicts_with_all = ["display", "aov", "tone_map"])]
     pub reference: bool,
@@ -82,11 +80,13 @@ pub struct RenderArgs {
     pub aov: Vec<LayerArg>,
     /// Show the picture in a window while it is made; closing the window stops the render.
     #[cfg(feature = "window")]
-    #[arg(long)]
+    #[arg(long, conflicts_with = "reference")]
     pub window: bool,
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub settings: Settings,
 }
 
 const COMPARE_EXAMPLES: &str = "\
@@ -113,8 +113,6 @@ Examples:
 pub struct CompareArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    #[command(flatten)]
-    pub settings: Settings,
     /// Samples a pixel of the f64 reference, where it shall have others than the fixed-point render.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
     pub reference_spp: Option<u32>,
@@ -133,6 +131,8 @@ pub struct CompareArgs {
     /// Say nothing but errors.
     #[arg(short, long)]
     pub quiet: bool,
+    #[command(flatten)]
+    pub settings: Settings,
 }
 
 const INFO_EXAMPLES: &str = "\
@@ -149,11 +149,11 @@ Examples:
 pub struct InfoArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    #[command(flatten)]
-    pub settings: Settings,
     /// Write the numbers as one flat JSON object.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
 }
 
 /// Which scene, and how to read it.

@@ -17,7 +17,7 @@ const FRAME: Duration = Duration::from_millis(30);
 
 /// Makes a picture in another thread and shows its rows as they come; then waits until the window is closed.
 ///
-/// Closing it earlier sets `stop`.
+/// Closing it earlier sets `stop`; where there will be no picture, the window closes by itself.
 pub fn watch<T: Send>(
     desc: &SceneDesc,
     options: &Options,
@@ -32,10 +32,15 @@ pub fn watch<T: Send>(
         display: &display,
     };
     let mut window = Window::new(&desc.name, &OutputSettings::default());
+    let failed = AtomicBool::new(false);
     std::thread::scope(|scope| {
-        let render = scope.spawn(|| make(&live));
+        let render = scope.spawn(|| {
+            let result = make(&live);
+            failed.store(result.is_err(), Ordering::SeqCst);
+            result
+        });
         let mut closed = false;
-        while !closed && !stop.load(Ordering::SeqCst) {
+        while !closed && !failed.load(Ordering::SeqCst) && !stop.load(Ordering::SeqCst) {
             window.update(&lock(&display));
             closed = window.events().any(|event| event == SimulatorEvent::Quit);
             std::thread::sleep(FRAME);
@@ -58,6 +63,10 @@ struct Live<'a> {
 impl Progress for Live<'_> {
     fn advance(&self, done: usize, total: usize, rays: u64) {
         self.meter.advance(done, total, rays);
+    }
+
+    fn wants_rows(&self) -> bool {
+        true
     }
 
     fn rows(&self, first_row: usize, rgb8: &[[u8; 3]]) {
