@@ -17,7 +17,7 @@ pub struct PrimaryReport {
     /// Share of the rays where one side hits and the other misses.
     pub hit_miss_disagreement: f64,
     /// Distance between the two hit points where both hit, as a share of the scene's extent (the diagonal of the box
-    /// around everything finite).
+    /// around everything finite), or of the way there where that is longer (on infinite planes).
     pub hit_point_error: Percentiles,
     /// The same without the pixels at silhouettes: see [`DISCONTINUITY`].
     pub hit_point_error_away: Percentiles,
@@ -36,7 +36,7 @@ struct Pair {
     depth: Option<f64>,
     /// Whether only one side hits.
     disagree: bool,
-    /// Distance of the hit points, metres.
+    /// Distance of the hit points as a share of the extent, or of the way there.
     error: Option<f64>,
 }
 
@@ -52,6 +52,7 @@ pub fn compare(
     let meshes = core.meshes();
     let scene = core.scene(&meshes)?;
     let reference = dequantise::scene(core)?;
+    let extent = reference::extent(&reference);
     let side = (RAYS / f64::from(width * height)).sqrt().ceil().max(1.0) as u32;
     let rows: Vec<Vec<Vec<Pair>>> = (0..height)
         .into_par_iter()
@@ -59,14 +60,13 @@ pub fn compare(
             let stopped = cancel.load(Ordering::Relaxed);
             let columns = if stopped { 0..0 } else { 0..width };
             columns
-                .map(|x| pixel(core, &scene, &reference, [width, height], [x, y], side))
+                .map(|x| pixel(core, &scene, &reference, [width, height], [x, y], side, extent))
                 .collect()
         })
         .collect();
     if cancel.load(Ordering::Relaxed) {
         return Ok(None);
     }
-    let extent = reference::extent(&reference);
     let mut all = Vec::new();
     let mut away = Vec::new();
     let (mut rays, mut disagreements) = (0u64, 0u64);
@@ -99,6 +99,7 @@ fn pixel(
     size: [u32; 2],
     [x, y]: [u32; 2],
     side: u32,
+    extent: f64,
 ) -> Vec<Pair> {
     let film = core.camera.film(size[0] as u16, size[1] as u16);
     let frame = Frame::of(core);
@@ -113,7 +114,7 @@ fn pixel(
         let exact = reference::closest(reference, &ray);
         let error = fixed.zip(exact.as_ref()).map(|(a, hit)| {
             let d = [a.x - hit.point.x, a.y - hit.point.y, a.z - hit.point.z];
-            d.iter().map(|c| c * c).sum::<f64>().sqrt()
+            d.iter().map(|c| c * c).sum::<f64>().sqrt() / extent.max(hit.t)
         });
         Pair {
             depth: exact.as_ref().map(|hit| hit.t),
