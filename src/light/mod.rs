@@ -92,9 +92,11 @@ pub enum Emitter<'a> {
 }
 
 /// Two uniform numbers of one dimension: an index below `count`, and what is left as a new uniform number.
+///
+/// If there is nothing to choose from, index 0, and all of the number is left.
 #[inline]
 pub fn choose(u: Uniform, count: u32) -> (u32, Uniform) {
     let bits = u.to_bits();
     let index = crate::num::mul_hi(bits, count);
-    (index, Uniform::from_bits(bits.wrapping_mul(count)))
+    (index, Uniform::from_bits(bits.wrapping_mul(count.max(1))))
 }

@@ -1,0 +1,304 @@
+//! A scene on the bench, a camera, and the comparison.
+
+use fixed::types::I12F20;
+use microlux::bvh::{Node, build_mesh, max_nodes};
+use microlux::camera::Camera;
+use microlux::color::{Albedo, Radiance};
+use microlux::geom::{Dir, Point, Unit};
+use microlux::integrator::Path;
+use microlux::light::Light;
+use microlux::material::Material;
+use microlux::num::Share;
+use microlux::render::{Renderer, Settings};
+use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
+use microlux::scene::{MaterialId, Mesh, SceneBuilder};
+use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+
+pub type Vec3 = [f64; 3];
+
+/// Reflectances and radiances that differ by channel: rounding depends on the largest of three.
+pub const RHO: Vec3 = [0.2, 0.5, 0.9];
+pub const LIGHT: Vec3 = [4.0, 2.5, 1.0];
+
+/// How far a mean may be from the answer, as a share of it.
+const TOLERANCE: f64 = 0.0025;
+
+pub fn map2(a: Vec3, b: Vec3, f: impl Fn(f64, f64) -> f64) -> Vec3 {
+    [0, 1, 2].map(|i| f(a[i], b[i]))
+}
+
+pub fn dot(a: Vec3, b: Vec3) -> f64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+pub fn norm(a: Vec3) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// 1 + ρ + ... + ρ^(terms − 1).
+pub fn geometric(rho: f64, terms: u32) -> f64 {
+    (0..terms).map(|k| rho.powi(k as i32)).sum()
+}
+
+pub fn dir(v: Vec3) -> Dir {
+    Dir(v.map(|c| (c / norm(v) * 65536.0).round() as i32))
+}
+
+pub fn albedo(rho: Vec3) -> Albedo {
+    Albedo(rho.map(|c| Share::from_bits((c * 32768.0).round() as u16)))
+}
+
+/// A reflectance as the scene holds it.
+pub fn rounded(rho: Vec3) -> Vec3 {
+    albedo(rho).0.map(|share| share.to_bits() as f64 / 32768.0)
+}
+
+/// Exact for the radiances used here.
+pub fn radiance(color: Vec3) -> Radiance {
+    Radiance::from_bits(color.map(|c| (c * 65536.0).round() as u32), -16)
+}
+
+pub fn to_f64(radiance: Radiance) -> Vec3 {
+    let (mantissa, exponent) = radiance.to_parts();
+    mantissa.map(|m| m as f64 * 2f64.powi(exponent as i32 - 15))
+}
+
+/// A pinhole, and the half width of its square picture at distance 1.
+#[derive(Clone, Copy)]
+pub struct View {
+    pub eye: Vec3,
+    pub target: Vec3,
+    pub half_width: f64,
+    /// Pixels a side, and samples each.
+    pub side: u16,
+    pub spp: u32,
+}
+
+impl View {
+    /// So narrow that a picture shows one place.
+    pub fn at(eye: Vec3, target: Vec3) -> View {
+        View {
+            eye,
+            target,
+            half_width: 0.002,
+            side: 16,
+            spp: 64,
+        }
+    }
+
+    pub fn wide(self, half_width: f64) -> View {
+        View { half_width, ..self }
+    }
+
+    pub fn effort(self, side: u16, spp: u32) -> View {
+        View { side, spp, ..self }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    Independent,
+    Stratified,
+    Sobol,
+}
+
+/// The two that are meant for pictures.
+pub const PATTERNED: [Kind; 2] = [Kind::Stratified, Kind::Sobol];
+pub const ALL: [Kind; 3] = [Kind::Independent, Kind::Stratified, Kind::Sobol];
+
+struct OwnedMesh {
+    grid: Grid,
+    vertices: Vec<[u16; 3]>,
+    triangles: Vec<[u16; 3]>,
+    nodes: Vec<Node>,
+}
+
+/// A scene under construction, in metres.
+pub struct Stage {
+    unit: Unit,
+    builder: SceneBuilder<8, 4, 8>,
+    meshes: Vec<OwnedMesh>,
+}
+
+impl Stage {
+    pub fn new() -> Stage {
+        Stage::with_unit(Unit::DEFAULT)
+    }
+
+    pub fn with_unit(unit: Unit) -> Stage {
+        Stage {
+            unit,
+            builder: SceneBuilder::with_unit(unit),
+            meshes: Vec::new(),
+        }
+    }
+
+    pub fn length(&self, metres: f64) -> i32 {
+        (metres * 2f64.powi(self.unit.fraction_bits())).round() as i32
+    }
+
+    pub fn point(&self, p: Vec3) -> Point {
+        Point(p.map(|c| self.length(c)))
+    }
+
+    /// A length as the scene holds it, metres.
+    pub fn held(&self, metres: f64) -> f64 {
+        self.length(metres) as f64 / 2f64.powi(self.unit.fraction_bits())
+    }
+
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        self.builder.material(material).unwrap()
+    }
+
+    pub fn matt(&mut self, rho: Vec3) -> MaterialId {
+        self.material(Material::lambert(albedo(rho)))
+    }
+
+    pub fn black(&mut self) -> MaterialId {
+        self.material(Material::Black)
+    }
+
+    pub fn sphere(&self, center: Vec3, radius: f64) -> Geometry {
+        Sphere::new(self.point(center), self.length(radius)).into()
+    }
+
+    pub fn plane(&self, point: Vec3, normal: Vec3) -> Geometry {
+        Plane::new(self.point(point), dir(normal)).into()
+    }
+
+    pub fn disk(&self, center: Vec3, normal: Vec3, radius: f64) -> Geometry {
+        Disk::new(self.point(center), dir(normal), self.length(radius)).into()
+    }
+
+    /// `center ± u ± v`.
+    pub fn rectangle(&self, center: Vec3, u: Vec3, v: Vec3) -> Geometry {
+        let half = [self.length(norm(u)), self.length(norm(v))];
+        Rectangle::new(self.point(center), dir(u), dir(v), half)
+            .unwrap()
+            .into()
+    }
+
+    /// Triangles by index, in the finest grid that holds them.
+    pub fn mesh(&mut self, vertices: &[Vec3], triangles: &[[u16; 3]]) -> Geometry {
+        let points: Vec<Point> = vertices.iter().map(|v| self.point(*v)).collect();
+        let fold = |f: fn(i32, i32) -> i32| {
+            Point([0, 1, 2].map(|a| points.iter().map(|p| p.0[a]).reduce(f).unwrap()))
+        };
+        let grid = Grid::around(fold(i32::min), fold(i32::max), Grid::MARGIN).unwrap();
+        let half = (1 << grid.shift()) >> 1;
+        let step =
+            |p: &Point| [0, 1, 2].map(|a| ((p.0[a] - grid.origin().0[a] + half) >> grid.shift()) as u16);
+        let vertices: Vec<_> = points.iter().map(step).collect();
+        let mut triangles = triangles.to_vec();
+        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
+        nodes.truncate(used);
+        self.meshes.push(OwnedMesh {
+            grid,
+            vertices,
+            triangles,
+            nodes,
+        });
+        Geometry::Mesh(self.meshes.len() as u16 - 1)
+    }
+
+    pub fn shape(&mut self, geometry: Geometry, material: MaterialId) {
+        self.builder.shape(geometry, material).unwrap();
+    }
+
+    pub fn emitter(&mut self, geometry: Geometry, material: MaterialId, emission: Vec3) {
+        self.builder
+            .emitter(geometry, material, radiance(emission))
+            .unwrap();
+    }
+
+    pub fn light(&mut self, light: Light) {
+        self.builder.light(light).unwrap();
+    }
+
+    pub fn environment(&mut self, emission: Vec3) {
+        self.light(Light::Environment {
+            radiance: radiance(emission),
+        });
+    }
+
+    /// The mean radiance of the view, by each integrator and sampler.
+    fn means(&mut self, view: View, paths: &[Path], samplers: &[Kind]) -> Vec<(Path, Kind, Vec3)> {
+        let meshes: Vec<Mesh> = self
+            .meshes
+            .iter()
+            .map(|mesh| Mesh {
+                triangles: TriangleMesh {
+                    grid: mesh.grid,
+                    vertices: &mesh.vertices,
+                    triangles: &mesh.triangles,
+                },
+                nodes: &mesh.nodes,
+            })
+            .collect();
+        let scale = 2f64.powi(self.unit.fraction_bits());
+        let point = |p: Vec3| Point(p.map(|c| (c * scale).round() as i32));
+        let tan_half = I12F20::from_num(view.half_width);
+        // Up is none of the axes, so that pictures stand askew.
+        let camera = Camera::look_at(point(view.eye), point(view.target), [3, 40, 11], tan_half).unwrap();
+        let settings = Settings {
+            width: view.side,
+            height: view.side,
+            spp: view.spp,
+        };
+        let mut nodes = [Node::EMPTY; max_nodes(8)];
+        let scene = self.builder.build_with(&meshes, &mut nodes).unwrap();
+        let mut means = Vec::new();
+        for path in paths {
+            for kind in samplers {
+                let sampler: AnySampler = match kind {
+                    Kind::Independent => Independent::new(3).into(),
+                    Kind::Stratified => Stratified::new(3, view.spp).into(),
+                    Kind::Sobol => Sobol::new(3).into(),
+                };
+                let mut renderer = Renderer::new(&scene, camera, *path, sampler, settings);
+                let mut strip = vec![Radiance::BLACK; view.side as usize * view.side as usize];
+                let tile = renderer.step(&mut strip).unwrap();
+                let pixels = tile.pixels.iter().map(|pixel| to_f64(*pixel));
+                let sum = pixels.fold([0.0; 3], |sum, pixel| map2(sum, pixel, |a, b| a + b));
+                means.push((*path, *kind, sum.map(|c| c / tile.pixels.len() as f64)));
+            }
+        }
+        means
+    }
+
+    /// Asserts that the view's mean radiance is `exact(path)` for each integrator and sampler.
+    pub fn assert(
+        &mut self,
+        name: &str,
+        view: View,
+        paths: &[Path],
+        samplers: &[Kind],
+        exact: impl Fn(&Path) -> Vec3,
+    ) {
+        for (path, kind, mean) in self.means(view, paths, samplers) {
+            let exact = exact(&path);
+            let error = map2(
+                mean,
+                exact,
+                |mean, exact| {
+                    if exact == 0.0 { mean } else { mean / exact - 1.0 }
+                },
+            );
+            let percent = error.map(|e| format!("{:+.4}", 100.0 * e)).join(" ");
+            println!("{name}, {} segments, {kind:?}: {percent} %", path.max_depth);
+            assert!(
+                error.iter().all(|e| e.abs() <= TOLERANCE),
+                "{name}, {path:?}, {kind:?}: {mean:?} is not {exact:?}: {percent} %"
+            );
+        }
+    }
+}
