@@ -1,4 +1,6 @@
-use crate::num::{ONE_Q16, Wide, leading_zeros, mul_hi, mul_q16, mul_shift, rsqrt};
+use crate::num::{
+    ONE_Q16, Wide, leading_zeros, mul_hi, mul_hi_signed, mul_q16, mul_shift, round_shift, rsqrt,
+};
 
 /// A place, scene units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,19 +85,21 @@ impl Offset {
         if m == 0 && self.0 == [0; 3] {
             return None;
         }
-        // For the length, components of up to 15 bits, the largest of 15: squares add up to less than 2^32.
-        let shift = 17 - leading_zeros(m as u32 | 1) as i32;
-        let short = if shift > 0 {
-            v.map(|c| ((c >> (shift - 1)) + 1) >> 1)
+        // All the bits there are, the largest component of 30.
+        let zeros = leading_zeros(m as u32 | 1);
+        let v = if zeros >= 2 {
+            v.map(|c| c << (zeros - 2))
         } else {
-            v.map(|c| c << -shift)
+            v.map(|c| c >> (2 - zeros))
         };
+        // For the length, 15 of them: squares add up to less than 2^32.
+        let short = v.map(|c| round_shift(c, 15));
         let square =
             (short[0] * short[0]) as u32 + (short[1] * short[1]) as u32 + (short[2] * short[2]) as u32;
         let (mantissa, half) = rsqrt(square);
-        // For the direction, all the bits there are; one more than wanted, to round by.
-        let down = (29 + shift - half as i32) as u32;
-        let dir = v.map(|c| (mul_shift(c, (mantissa >> 1) as i32, down) + 1) >> 1);
+        // 2^16 v / |v| = v · mantissa / 2^(46 − half); one bit more than wanted, to round by.
+        let dir = v.map(|c| ((mul_hi_signed(c, (mantissa >> 1) as i32) >> (12 - half.min(1))) + 1) >> 1);
+        let shift = 17 - zeros as i32;
         Some((
             Dir(dir),
             Norm {

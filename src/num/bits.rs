@@ -3,7 +3,35 @@
 /// One function, so that a core without CLZ can have its own form of the same answer.
 #[inline]
 pub const fn leading_zeros(x: u32) -> u32 {
-    x.leading_zeros()
+    #[cfg(narrow_mul)]
+    return narrow_leading_zeros(x);
+    #[cfg(not(narrow_mul))]
+    return x.leading_zeros();
+}
+
+/// Zeros above the highest bit of a byte.
+#[cfg(any(narrow_mul, test))]
+static BYTE_ZEROS: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = (i as u8).leading_zeros() as u8;
+        i += 1;
+    }
+    table
+};
+
+/// [`leading_zeros`] where there is no instruction for it: two halvings and a table.
+#[cfg(any(narrow_mul, test))]
+#[inline]
+const fn narrow_leading_zeros(x: u32) -> u32 {
+    let (zeros, x) = if x < 1 << 16 { (16, x << 16) } else { (0, x) };
+    let (zeros, x) = if x < 1 << 24 {
+        (zeros + 8, x << 8)
+    } else {
+        (zeros, x)
+    };
+    zeros + BYTE_ZEROS[(x >> 24) as usize] as u32
 }
 
 /// The right shift that brings three components under `2^bits`; 0 if they are already.
@@ -23,5 +51,20 @@ pub const fn round_shift(x: i32, shift: u32) -> i32 {
         x
     } else {
         ((x >> (shift - 1)) + 1) >> 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_forms_count_the_same_zeros() {
+        for bit in 0..32 {
+            for x in [1u32 << bit, (1 << bit) - 1, (1 << bit) | 1, u32::MAX >> bit] {
+                assert_eq!(narrow_leading_zeros(x), x.leading_zeros(), "{x:#x}");
+            }
+        }
+        assert_eq!(narrow_leading_zeros(0), 32);
     }
 }

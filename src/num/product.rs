@@ -31,6 +31,15 @@ pub const fn mul_hi(a: u32, b: u32) -> u32 {
     return ((a as u64 * b as u64) >> 32) as u32;
 }
 
+/// ⌊a·b / 2^32⌋ of signed factors: the high word.
+#[inline(always)]
+pub const fn mul_hi_signed(a: i32, b: i32) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_hi_signed(a, b);
+    #[cfg(not(narrow_mul))]
+    return ((a as i64 * b as i64) >> 32) as i32;
+}
+
 /// The same products from 32×32→32 multiplications alone; `tests/num_error` holds the twins equal.
 pub mod narrow {
     /// See [`super::mul_q16`]. Four products: ah·bh·2^16 + ah·bl + al·bh + ⌊al·bl / 2^16⌋, modulo 2^32.
@@ -49,6 +58,19 @@ pub mod narrow {
     #[inline(always)]
     pub const fn mul_hi(a: u32, b: u32) -> u32 {
         wide(a, b).1
+    }
+
+    /// See [`super::mul_hi_signed`].
+    #[inline(always)]
+    pub const fn mul_hi_signed(a: i32, b: i32) -> i32 {
+        let (ah, al) = (a >> 16, a & 0xffff);
+        let (bh, bl) = (b >> 16, b & 0xffff);
+        // |ah·bl| < 2^31, and what the low product carries is under 2^16.
+        let carry = (((al as u32).wrapping_mul(bl as u32)) >> 16) as i32;
+        let (mid, other) = (ah * bl, al * bh);
+        // Each middle product by halves, so that their sum needs no more than 32 bits.
+        let low = (mid & 0xffff) + (other & 0xffff) + carry;
+        ah * bh + (mid >> 16) + (other >> 16) + (low >> 16)
     }
 
     /// See [`super::mul_shift`].

@@ -1,4 +1,4 @@
-use super::{leading_zeros, mul_hi, mul_shift};
+use super::{leading_zeros, mul_shift};
 
 /// 1/x as `mantissa · 2^(−shift)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,9 @@ pub fn recip(x: u32) -> Recip {
     let r = r + ((r * (e >> 9)) >> 22);
     // R = 2^62/n to 2^-15; n·R/2^32 = 2^30 (1 + error), which the second step takes back.
     let big = (r as u32) << 15;
-    let e = (1i32 << 30) - mul_hi(n, big) as i32;
+    // That product's high word, exactly: r has 16 bits, so two products do.
+    let high = ((n >> 16) * r as u32 + (((n & 0xffff) * r as u32) >> 16)) >> 1;
+    let e = (1i32 << 30) - high as i32;
     let big = big.wrapping_add((((r >> 1) * e) >> 14) as u32);
     Recip {
         mantissa: if big >= 1 << 31 { u32::MAX } else { big << 1 },

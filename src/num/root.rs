@@ -37,8 +37,9 @@ pub fn rsqrt(x: u32) -> (u32, u32) {
     let product = ((n >> 16) * square) >> 14;
     let r = (r * (((3 << 16) - product) >> 2)) >> 15;
     // R = 2^47/√n to 2^-14; n R² / 2^64 = 2^30 (1 + 2 error); |e| < 2^17, r/4 < 2^14.
-    let big = r.min(0xffff) << 16;
-    let e = (1i32 << 30) - mul_hi(n, mul_hi(big, big)) as i32;
+    let r = r.min(0xffff);
+    let big = r << 16;
+    let e = (1i32 << 30) - mul_hi(n, r * r) as i32;
     let correction = (((big >> 18) as i32) * e) >> 13;
     (big.saturating_add_signed(correction).max(1 << 31), half)
 }
