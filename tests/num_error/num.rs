@@ -39,6 +39,10 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
             [(product >> 16) as i32; 2],
             "{a} {b}"
         );
+        assert_eq!(
+            [mul_hi_signed(a, b), narrow::mul_hi_signed(a, b)],
+            [(product >> 32) as i32; 2]
+        );
         let unsigned = u64::from(a as u32) * u64::from(b as u32);
         assert_eq!(
             [mul_hi(a as u32, b as u32), narrow::mul_hi(a as u32, b as u32)],
@@ -76,7 +80,7 @@ fn products_lose_half_an_ulp() {
         shifted.add(f64::from(mul_shift(a as i32, b as i32, shift)) - exact);
     }
     q16.assert("mul_q16, ulp", FLOOR);
-    hi.assert("mul_hi, ulp", FLOOR);
+    hi.assert("mul_hi, mul_hi_signed, ulp", FLOOR);
     shifted.assert("mul_shift, ulp", FLOOR);
 }
 
