@@ -8,6 +8,7 @@
 pub mod crc;
 mod edges;
 mod flags;
+pub mod golden;
 pub mod jobs;
 mod random;
 pub mod region;

@@ -90,10 +90,6 @@ pub const SQUARE: Frame = Frame::new(240, 240);
 /// The frame of a 2 inch display, held with its long side level.
 pub const WIDE: Frame = Frame::new(320, 240);
 
-pub(crate) fn picture() -> u32 {
-    SQUARE.crc()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
