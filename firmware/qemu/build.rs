@@ -11,6 +11,7 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-env=MACHINE={machine}");
     println!("cargo:rerun-if-env-changed=MACHINE");
+    println!("cargo:rerun-if-env-changed=MICROLUX_ONLY");
     println!("cargo:rerun-if-changed={layout}");
 
     // The Cortex-M start-up's script includes memory.x, the RISC-V one wants it first.

@@ -52,6 +52,41 @@ impl Node {
         primitives_low: 0,
     };
 
+    /// As it lies in flash: the bytes of the table above.
+    pub fn to_le_bytes(self) -> [u8; 40] {
+        let mut bytes = [0; 40];
+        bytes[..24].copy_from_slice(self.planes.as_flattened().as_flattened());
+        bytes[24..28].copy_from_slice(&self.meta);
+        for (two, value) in bytes[28..34].chunks_exact_mut(2).zip(self.origin) {
+            two.copy_from_slice(&value.to_le_bytes());
+        }
+        bytes[34] = self.exponent;
+        bytes[35] = self.primitives_high;
+        bytes[36..38].copy_from_slice(&self.nodes.to_le_bytes());
+        bytes[38..].copy_from_slice(&self.primitives_low.to_le_bytes());
+        bytes
+    }
+
+    /// What [`Node::to_le_bytes`] wrote. Whether it makes sense is checked with its scene.
+    pub const fn from_le_bytes(bytes: [u8; 40]) -> Node {
+        const fn two(bytes: &[u8; 40], at: usize) -> u16 {
+            u16::from_le_bytes([bytes[at], bytes[at + 1]])
+        }
+        let mut node = Node::EMPTY;
+        let mut at = 0;
+        while at < 24 {
+            node.planes[at / 8][at / 4 % 2][at % 4] = bytes[at];
+            at += 1;
+        }
+        node.meta = [bytes[24], bytes[25], bytes[26], bytes[27]];
+        node.origin = [two(&bytes, 28), two(&bytes, 30), two(&bytes, 32)];
+        node.exponent = bytes[34];
+        node.primitives_high = bytes[35];
+        node.nodes = two(&bytes, 36);
+        node.primitives_low = two(&bytes, 38);
+        node
+    }
+
     /// Around `bounds`, with the finest exponent that reaches across; leaves count from `primitives` (< 2^24).
     pub(crate) fn around(bounds: Bounds, nodes: u16, primitives: u32) -> Node {
         let extent = (0..3)
@@ -129,6 +164,18 @@ impl Node {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn bytes_are_where_the_table_says() {
+        let bytes: [u8; 40] = core::array::from_fn(|at| at as u8);
+        let node = Node::from_le_bytes(bytes);
+        assert_eq!(node.planes[1][0], [8, 9, 10, 11]);
+        assert_eq!(
+            (node.meta, node.origin[2], node.exponent, node.primitives()),
+            ([24, 25, 26, 27], 0x2120, 34, 0x23_2726)
+        );
+        assert_eq!(node.to_le_bytes(), bytes);
+    }
 
     #[test]
     fn planes_round_outwards() {

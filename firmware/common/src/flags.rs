@@ -49,7 +49,7 @@ fn fuzz(instruction: impl Fn(u32, u32, Flags) -> (u32, Flags)) -> u32 {
 /// One job for each line `name "assembly" model`, where r0 is the first source and the destination.
 macro_rules! instructions {
     ($($name:ident $assembly:literal $model:expr;)*) => {
-        pub(crate) const JOBS: &[Job] = &[$(Job { name: concat!("flags-", stringify!($name)), run: $name }),*];
+        pub(crate) const JOBS: &[Job] = &[$(Job::machine(concat!("flags-", stringify!($name)), $name)),*];
         $(
             #[cfg(target_arch = "arm")]
             fn $name() -> u32 {

@@ -1,35 +1,111 @@
 //! The list that every target runs and prints, one line each: `name crc32=xxxxxxxx`.
 
-use crate::{crc::Crc, edges, flags, random::Xorshift, tile};
+use microlux::scene::builtin::Builtin::{Cornell, Spheres, Torus};
+
+use crate::{
+    crc::Crc,
+    edges, flags,
+    golden::{
+        Case,
+        Integrator::{self, Direct, Path},
+        Pattern::{self, Independent, Sobol, Stratified},
+    },
+    random::Xorshift,
+};
 
 /// A piece of work with one fingerprint, the same on every target.
+#[derive(Clone, Copy)]
 pub struct Job {
     pub name: &'static str,
-    pub run: fn() -> u32,
+    pub work: Work,
 }
 
-/// Jobs about the arithmetic and the memory of the machine, then the picture.
-const OWN: &[Job] = &[
+/// What a job does.
+#[derive(Clone, Copy)]
+pub enum Work {
+    /// Tests the machine itself: its arithmetic, its memory.
+    Machine(fn() -> u32),
+    /// Renders a picture of the record.
+    Picture(Case),
+}
+
+impl Job {
+    pub(crate) const fn machine(name: &'static str, test: fn() -> u32) -> Job {
+        Job {
+            name,
+            work: Work::Machine(test),
+        }
+    }
+
+    /// The fingerprint.
+    pub fn run(&self) -> u32 {
+        match self.work {
+            Work::Machine(test) => test(),
+            Work::Picture(case) => case.run().crc,
+        }
+    }
+}
+
+/// Jobs about the arithmetic and the memory of the machine.
+const OWN: [Job; 2] = [Job::machine("edges", edges::run), Job::machine("fill", fill)];
+
+/// Both seeds of each row.
+macro_rules! pictures {
+    ($($name:literal $scene:ident $integrator:ident $sampler:ident;)*) => {
+        /// Every row of the record.
+        const PICTURES: &[Job] = &[$(
+            picture(concat!($name, "-1"), $scene, $integrator, $sampler, 1),
+            picture(concat!($name, "-3735928559"), $scene, $integrator, $sampler, 0xdead_beef),
+        )*];
+    };
+}
+
+const fn picture(
+    name: &'static str,
+    scene: microlux::scene::builtin::Builtin,
+    integrator: Integrator,
+    sampler: Pattern,
+    seed: u32,
+) -> Job {
     Job {
-        name: "edges",
-        run: edges::run,
-    },
-    Job {
-        name: "fill",
-        run: fill,
-    },
-    Job {
-        name: "picture",
-        run: tile::picture,
-    },
-];
+        name,
+        work: Work::Picture(Case {
+            scene,
+            integrator,
+            sampler,
+            seed,
+        }),
+    }
+}
+
+pictures! {
+    "cornell-direct-independent" Cornell Direct Independent;
+    "cornell-direct-stratified" Cornell Direct Stratified;
+    "cornell-direct-sobol" Cornell Direct Sobol;
+    "cornell-path-independent" Cornell Path Independent;
+    "cornell-path-stratified" Cornell Path Stratified;
+    "cornell-path-sobol" Cornell Path Sobol;
+    "spheres-direct-independent" Spheres Direct Independent;
+    "spheres-direct-stratified" Spheres Direct Stratified;
+    "spheres-direct-sobol" Spheres Direct Sobol;
+    "spheres-path-independent" Spheres Path Independent;
+    "spheres-path-stratified" Spheres Path Stratified;
+    "spheres-path-sobol" Spheres Path Sobol;
+    "torus-direct-independent" Torus Direct Independent;
+    "torus-direct-stratified" Torus Direct Stratified;
+    "torus-direct-sobol" Torus Direct Sobol;
+    "torus-path-independent" Torus Path Independent;
+    "torus-path-stratified" Torus Path Stratified;
+    "torus-path-sobol" Torus Path Sobol;
+}
 
 /// Every job, in the order in which they run. A job's place in it is also its [`crate::region`].
 pub fn all() -> impl Iterator<Item = &'static Job> {
-    OWN.iter().chain(flags::JOBS)
+    OWN.iter().chain(flags::JOBS).chain(PICTURES)
 }
 
 /// 4 KiB of random bytes, written and read back in three widths.
+#[inline(never)]
 fn fill() -> u32 {
     let mut words = [0; 1024];
     let mut random = Xorshift::new(0x1234_5678);
@@ -47,4 +123,27 @@ fn fill() -> u32 {
         crc.bytes(&[pair[1] as u8]);
     }
     crc.value()
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::{format, string::String};
+
+    /// This computer's pictures are the record's, row by row and in its order.
+    #[test]
+    fn pictures_are_the_record() {
+        let record = include_str!("../../../tests/golden.txt");
+        let rows = record.lines().filter(|line| !line.starts_with('#'));
+        let rows: std::vec::Vec<String> = rows
+            .map(|row| row.split_whitespace().collect::<std::vec::Vec<_>>().join("-"))
+            .collect();
+        let ours: std::vec::Vec<String> = PICTURES
+            .iter()
+            .map(|job| format!("{}-{:08x}", job.name, job.run()))
+            .collect();
+        assert_eq!(ours, rows);
+    }
 }

@@ -1,11 +1,33 @@
-//! The picture that a board draws, tile by tile: for now a test card in integers.
+//! The picture that a board draws, tile by tile, and the passes in which it gets better.
 
-use crate::crc::Crc;
+use embedded_graphics_core::pixelcolor::{IntoStorage, Rgb565};
+use embedded_graphics_core::{prelude::*, primitives::Rectangle};
+use microlux::{
+    camera::Camera,
+    color::Radiance,
+    film::{Display, Dither},
+    integrator::Path,
+    render::{Renderer, Settings},
+    sampler::Independent,
+};
+
+use crate::stage::Stage;
 
 /// Edge of a tile in pixels.
 pub const SIDE: u32 = 16;
 /// Pixels in a tile.
 pub const PIXELS: usize = (SIDE * SIDE) as usize;
+
+/// How light becomes colour. Blue noise hides the few levels of RGB565.
+pub const DISPLAY: Display = Display {
+    dither: Dither::BlueNoise,
+    ..DEFAULT
+};
+const DEFAULT: Display = Display {
+    exposure: microlux::film::Stops::ZERO,
+    tone_map: microlux::film::ToneMap::Clamp,
+    dither: Dither::None,
+};
 
 /// A picture's size in pixels, both multiples of [`SIDE`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,48 +61,11 @@ impl Frame {
         (index % columns * SIDE, index / columns * SIDE)
     }
 
-    /// Writes tile `index` row by row as RGB565, 5 bits red on top.
-    pub fn render(self, index: u32, pixels: &mut [u16; PIXELS]) {
-        let (left, top) = self.origin(index);
-        for (row, y) in pixels.chunks_exact_mut(SIDE as usize).zip(top..) {
-            for (pixel, x) in row.iter_mut().zip(left..) {
-                *pixel = self.card(x, y);
-            }
-        }
-    }
-
-    /// CRC-32 of the whole frame as the display receives it: tiles in order, each pixel high byte first.
-    pub fn crc(self) -> u32 {
-        let mut crc = Crc::new();
-        let mut pixels = [0; PIXELS];
-        for index in 0..self.tiles() {
-            self.render(index, &mut pixels);
-            for pixel in pixels {
-                crc.bytes(&pixel.to_be_bytes());
-            }
-        }
-        crc.value()
-    }
-
-    /// Red grows to the right and green downwards, blue is a checker of 32 pixels, and a white ring is in the middle.
-    /// A white square marks the upper left corner, so that a mirrored or turned picture shows.
-    fn card(self, x: u32, y: u32) -> u16 {
-        const WHITE: u16 = 0xffff;
-        if x < 8 && y < 8 {
-            return WHITE;
-        }
-        let from_middle = x.abs_diff(self.width / 2).pow(2) + y.abs_diff(self.height / 2).pow(2);
-        if from_middle.isqrt().abs_diff(self.height / 4) < 2 {
-            return WHITE;
-        }
-        let red = x * 31 / (self.width - 1);
-        let green = y * 63 / (self.height - 1);
-        let blue = if (x / 32 + y / 32).is_multiple_of(2) {
-            31
-        } else {
-            0
-        };
-        (red << 11 | green << 5 | blue) as u16
+    /// The camera whose view fills the frame: what it sees across is seen along the shorter side.
+    fn camera(self, camera: Camera) -> Camera {
+        let shorter = self.width.min(self.height);
+        let wider = camera.half_width().to_bits() * self.width as i32 / shorter as i32;
+        Camera::from_frame(camera.origin(), camera.frame(), fixed::types::I12F20::from_bits(wider))
     }
 }
 
@@ -90,13 +75,82 @@ pub const SQUARE: Frame = Frame::new(240, 240);
 /// The frame of a 2 inch display, held with its long side level.
 pub const WIDE: Frame = Frame::new(320, 240);
 
-pub(crate) fn picture() -> u32 {
-    SQUARE.crc()
+/// One time over the whole frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pass {
+    /// Edge in pixels of what gets one colour: a divisor of [`SIDE`].
+    pub block: u32,
+    /// Samples for each.
+    pub spp: u32,
+}
+
+/// A preview of a sixteenth of the work, then twice the samples each time, always begun anew: no picture is kept.
+pub const PASSES: [Pass; 6] = [
+    Pass { block: 4, spp: 1 },
+    Pass { block: 1, spp: 1 },
+    Pass { block: 1, spp: 2 },
+    Pass { block: 1, spp: 4 },
+    Pass { block: 1, spp: 8 },
+    Pass { block: 1, spp: 16 },
+];
+
+/// Draws the tiles of one pass. Samples are independent of one another: the cheapest, and no worse where they are few.
+pub struct Painter<'s> {
+    frame: Frame,
+    pass: Pass,
+    renderer: Renderer<'s, Independent>,
+    light: [Radiance; PIXELS],
+}
+
+impl<'s> Painter<'s> {
+    /// For direct light from `stage`.
+    pub fn new(stage: &Stage<'s>, frame: Frame, pass: Pass) -> Self {
+        let settings = Settings {
+            width: (frame.width / pass.block) as u16,
+            height: (frame.height / pass.block) as u16,
+            spp: pass.spp,
+        };
+        let camera = frame.camera(stage.camera);
+        Self {
+            frame,
+            pass,
+            renderer: Renderer::new(stage.scene, camera, Path::direct(), Independent::new(1), settings),
+            light: [Radiance::BLACK; PIXELS],
+        }
+    }
+
+    /// Writes tile `index` row by row as RGB565, 5 bits red on top.
+    pub fn render(&mut self, index: u32, pixels: &mut [u16; PIXELS]) {
+        let block = self.pass.block;
+        let (left, top) = self.frame.origin(index);
+        let area = Rectangle::new(
+            Point::new((left / block) as i32, (top / block) as i32),
+            Size::new(SIDE / block, SIDE / block),
+        );
+        let tile = self.renderer.tile(area, &mut self.light);
+        let columns = SIDE / block;
+        for (place, color) in (0..).zip(tile.colors::<Rgb565>(&DISPLAY)) {
+            let (x, y) = (place % columns * block, place / columns * block);
+            for row in pixels.chunks_exact_mut(SIDE as usize).skip(y as usize).take(block as usize) {
+                for pixel in row.iter_mut().skip(x as usize).take(block as usize) {
+                    *pixel = color.into_storage();
+                }
+            }
+        }
+    }
+
+    /// Rays asked of the scene so far, wrapping.
+    pub fn rays(&self) -> u32 {
+        self.renderer.rays()
+    }
 }
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use super::*;
+    use crate::stage::Cornell;
 
     #[test]
     fn tiles_cover_the_frame_once() {
@@ -113,18 +167,39 @@ mod tests {
         }
     }
 
+    /// Every pass shows the same room: red on its left, green on its right, whatever the blocks and the samples.
     #[test]
-    fn card_shows_which_way_is_up() {
+    fn passes_show_the_same() {
+        let mut cornell = Cornell::new().unwrap();
+        let (scene, camera) = cornell.scene().unwrap();
+        let stage = Stage { scene: &scene, camera };
+        for pass in &PASSES[..3] {
+            let mut painter = Painter::new(&stage, SQUARE, *pass);
+            let mut pixels = [0; PIXELS];
+            let mut mean = |index| {
+                painter.render(index, &mut pixels);
+                let sum = |mask: u16, shift: u32| -> u32 {
+                    pixels.iter().map(|&pixel| u32::from((pixel & mask) >> shift)).sum()
+                };
+                (sum(0xf800, 11), sum(0x07e0, 6))
+            };
+            let (left, right) = (mean(15 * 8), mean(15 * 8 + 14));
+            assert!(left.0 > 3 * left.1, "{pass:?} {left:?}");
+            assert!(2 * right.1 > 3 * right.0, "{pass:?} {right:?}");
+        }
+    }
+
+    #[test]
+    fn a_block_has_one_colour() {
+        let mut cornell = Cornell::new().unwrap();
+        let (scene, camera) = cornell.scene().unwrap();
+        let mut painter = Painter::new(&Stage { scene: &scene, camera }, WIDE, PASSES[0]);
         let mut pixels = [0; PIXELS];
-        SQUARE.render(0, &mut pixels);
-        assert_eq!(pixels[0], 0xffff, "white upper left");
-        SQUARE.render(SQUARE.tiles() - 1, &mut pixels);
-        assert_eq!(
-            pixels[PIXELS - 1],
-            0xffff,
-            "red, green and blue at the lower right"
-        );
-        SQUARE.render(14, &mut pixels);
-        assert_eq!(pixels[15], 0xf800, "red alone at the upper right");
+        painter.render(150, &mut pixels);
+        for (place, pixel) in pixels.iter().enumerate() {
+            assert_eq!(*pixel, pixels[place / 64 * 64 + place % 16 / 4 * 4]);
+        }
+        let kinds: std::collections::BTreeSet<_> = pixels.iter().collect();
+        assert!(kinds.len() > 4);
     }
 }

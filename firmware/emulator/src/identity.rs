@@ -14,7 +14,9 @@ pub fn check(machines: &[Machine]) -> Result<()> {
     for &machine in machines {
         let start = Instant::now();
         let text = machine.run()?;
-        let lines = text.lines().map(parse).collect::<Result<Vec<_>>>()?;
+        // What memory the jobs took differs, of course.
+        let jobs = text.lines().filter(|line| !line.starts_with("memory "));
+        let lines = jobs.map(parse).collect::<Result<Vec<_>>>()?;
         eprintln!(
             "{:<11} {:<10} {} jobs, built and run in {:.1} s",
             machine.name(),

@@ -1,7 +1,11 @@
-//! Runs every job of `firmware-common` and prints `name crc32=xxxxxxxx` for each; the exit code reaches the shell.
+//! Runs every job of `firmware-common` and prints `name crc32=xxxxxxxx` for each, on ARM then the memory that all of
+//! them took: `memory variables=BYTES stack=BYTES room=BYTES`. The exit code reaches the shell.
 
 #![no_std]
 #![no_main]
+
+#[cfg(target_arch = "arm")]
+mod stack;
 
 use core::panic::PanicInfo;
 
@@ -12,12 +16,30 @@ use firmware_common::{jobs, region};
 use riscv_rt::entry;
 use semihosting::{eprintln, println, process};
 
+/// The only job to run, if the build names one: for profiles.
+const ONLY: &str = match option_env!("MICROLUX_ONLY") {
+    Some(name) => name,
+    None => "",
+};
+
 #[entry]
 fn main() -> ! {
+    #[cfg(target_arch = "arm")]
+    stack::paint();
     region::count(region::EMPTY, || ());
-    for (id, job) in (0..).zip(jobs::all()) {
-        let crc = region::count(id, job.run);
+    let wanted = |job: &jobs::Job| ONLY.is_empty() || job.name == ONLY;
+    for (id, job) in (0..).zip(jobs::all()).filter(|(_, job)| wanted(job)) {
+        let crc = region::count(id, || job.run());
         println!("{} crc32={crc:08x}", job.name);
+    }
+    #[cfg(target_arch = "arm")]
+    {
+        let stack::Used {
+            variables,
+            stack,
+            room,
+        } = stack::used();
+        println!("memory variables={variables} stack={stack} room={room}");
     }
     process::exit(0)
 }

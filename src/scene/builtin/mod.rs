@@ -47,23 +47,34 @@ impl Builtin {
     /// Builds the scene on the stack and lends it out with its camera. The torus takes most: 3.2 KiB of meshes.
     pub fn with<R>(self, render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
         match self {
-            Builtin::Cornell => {
-                let (mut builder, camera) = cornell()?;
-                let mut nodes = [Node::EMPTY; max_nodes(16)];
-                Ok(render(&builder.build(&mut nodes)?, camera))
-            }
-            Builtin::Spheres => {
-                let (mut builder, camera) = spheres()?;
-                let mut nodes = [Node::EMPTY; max_nodes(9)];
-                Ok(render(&builder.build(&mut nodes)?, camera))
-            }
-            Builtin::Torus => {
-                let (mut builder, camera) = torus()?;
-                let (ring, lamp) = (torus_mesh()?, lamp()?);
-                let meshes = [ring.mesh(), lamp.mesh()];
-                let mut nodes = [Node::EMPTY; max_nodes(3)];
-                Ok(render(&builder.build_with(&meshes, &mut nodes)?, camera))
-            }
+            Builtin::Cornell => with_cornell(render),
+            Builtin::Spheres => with_spheres(render),
+            Builtin::Torus => with_torus(render),
         }
     }
+}
+
+// Not inlined into one another: each has a stack frame for its own scene alone.
+
+#[inline(never)]
+fn with_cornell<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = cornell()?;
+    let mut nodes = [Node::EMPTY; max_nodes(16)];
+    Ok(render(&builder.build(&mut nodes)?, camera))
+}
+
+#[inline(never)]
+fn with_spheres<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = spheres()?;
+    let mut nodes = [Node::EMPTY; max_nodes(9)];
+    Ok(render(&builder.build(&mut nodes)?, camera))
+}
+
+#[inline(never)]
+fn with_torus<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = torus()?;
+    let (ring, lamp) = (torus_mesh()?, lamp()?);
+    let meshes = [ring.mesh(), lamp.mesh()];
+    let mut nodes = [Node::EMPTY; max_nodes(3)];
+    Ok(render(&builder.build_with(&meshes, &mut nodes)?, camera))
 }

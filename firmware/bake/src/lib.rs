@@ -1,0 +1,99 @@
+//! Turns a mesh into what lies in a chip's flash: vertices in a 16-bit cube, triangles in the tree's order, nodes.
+//!
+//! The cube stands for 2 m: x and z from -1 m to 1 m, y from 0 to 2 m. A mesh stands on its floor, in the middle.
+
+mod knot;
+mod obj;
+
+use microlux::bvh::{Node, build_mesh, max_nodes};
+
+pub use knot::knot;
+pub use obj::obj;
+
+/// A mesh as a scene borrows it.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    pub vertices: Vec<[u16; 3]>,
+    pub triangles: Vec<[u16; 3]>,
+    pub nodes: Vec<Node>,
+}
+
+/// Steps of the cube that the mesh's longest side takes: 1.7 m.
+const LONGEST: f64 = 55_700.0;
+/// Steps between the floor and the mesh.
+const LIFT: f64 = 64.0;
+
+impl Baked {
+    /// Scales the mesh to the cube and builds the tree over it; triangles that the rounding makes empty are left out.
+    pub fn new(points: &[[f64; 3]], faces: &[[usize; 3]]) -> Result<Baked, String> {
+        if points.len() > 1 << 16 {
+            return Err(format!("{} vertices; 65,536 can be numbered", points.len()));
+        }
+        let end = |axis: usize, pick: fn(f64, f64) -> f64| {
+            points.iter().map(|p| p[axis]).reduce(pick).ok_or("the mesh has no vertices")
+        };
+        let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
+        for axis in 0..3 {
+            (low[axis], high[axis]) = (end(axis, f64::min)?, end(axis, f64::max)?);
+        }
+        let longest = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        if !(longest > 0.0 && longest.is_finite()) {
+            return Err("the mesh has no extent".to_owned());
+        }
+        let scale = LONGEST / longest;
+        let place = |p: &[f64; 3]| {
+            let middle = |axis: usize| 32_768.0 + (p[axis] - (low[axis] + high[axis]) / 2.0) * scale;
+            [middle(0), LIFT + (p[1] - low[1]) * scale, middle(2)].map(|c| c.round() as u16)
+        };
+        let vertices: Vec<_> = points.iter().map(place).collect();
+        let mut triangles = Vec::new();
+        for face in faces {
+            if face.iter().any(|&corner| corner >= vertices.len()) {
+                return Err(format!("triangle {face:?} names a vertex that is not there"));
+            }
+            if !is_empty(face.map(|corner| vertices[corner])) {
+                triangles.push(face.map(|corner| corner as u16));
+            }
+        }
+        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes).map_err(|error| format!("{error:?}"))?;
+        nodes.truncate(used);
+        Ok(Baked {
+            vertices,
+            triangles,
+            nodes,
+        })
+    }
+
+    /// Bytes of flash.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&*self.vertices) + size_of_val(&*self.triangles) + size_of_val(&*self.nodes)
+    }
+}
+
+/// Whether the corners lie in a line.
+fn is_empty([a, b, c]: [[u16; 3]; 3]) -> bool {
+    let to = |p: [u16; 3]| [0, 1, 2].map(|axis| i64::from(p[axis]) - i64::from(a[axis]));
+    let (u, v) = (to(b), to(c));
+    [(1, 2), (2, 0), (0, 1)].iter().all(|&(i, j)| u[i] * v[j] == u[j] * v[i])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stands_on_the_floor_in_the_middle() {
+        let points = [[1.0, 5.0, 1.0], [3.0, 5.0, 1.0], [3.0, 6.0, 2.0], [2.0, 5.0, 1.0]];
+        let baked = Baked::new(&points, &[[0, 1, 2], [0, 1, 3]]).unwrap();
+        assert_eq!(baked.vertices[0], [32_768 - 27_850, 64, 32_768 - 13_925]);
+        assert_eq!(baked.vertices[2][1], 64 + 27_850);
+        assert_eq!(baked.triangles, [[0, 1, 2]], "the other one is a line");
+    }
+
+    #[test]
+    fn refuses_what_it_cannot_number() {
+        assert!(Baked::new(&[[0.0; 3], [1.0; 3]], &[[0, 1, 2]]).is_err());
+        assert!(Baked::new(&[], &[]).is_err());
+    }
+}

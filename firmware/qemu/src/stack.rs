@@ -1,0 +1,52 @@
+//! How deep the stack got: the free part of it is painted at the start, and what is left of the paint is measured.
+
+use core::ptr;
+
+unsafe extern "C" {
+    /// Ends of the stack, from the start-up's linker script: it grows from `_stack_start` down to `_stack_end`.
+    static _stack_start: u32;
+    static _stack_end: u32;
+    /// Ends of all variables.
+    static __sdata: u32;
+    static __ebss: u32;
+}
+
+const PAINT: u32 = 0x5aa5_c33c;
+/// Bytes under the caller that are left alone: what this module needs itself.
+const OWN: usize = 256;
+
+/// Bytes of the RAM that a program takes.
+pub struct Used {
+    pub variables: usize,
+    pub stack: usize,
+    /// All that there is for both.
+    pub room: usize,
+}
+
+/// Fills what is not in use of the stack.
+#[inline(never)]
+pub fn paint() {
+    let here = cortex_m::register::msp::read() as usize - OWN;
+    let mut word = (&raw const _stack_end).cast_mut();
+    while (word as usize) < here {
+        // SAFETY: the word lies in the stack, below all that is in use of it.
+        unsafe { ptr::write_volatile(word, PAINT) };
+        word = word.wrapping_add(1);
+    }
+}
+
+/// What the program has used since the start, the stack as deep as it ever was.
+pub fn used() -> Used {
+    let top = &raw const _stack_start as usize;
+    let mut word = &raw const _stack_end;
+    // SAFETY: the word lies in the stack, which may be read.
+    while (word as usize) < top && unsafe { ptr::read_volatile(word) } == PAINT {
+        word = word.wrapping_add(1);
+    }
+    let variables = &raw const __ebss as usize - &raw const __sdata as usize;
+    Used {
+        variables,
+        stack: top - word as usize,
+        room: top - &raw const _stack_end as usize + variables,
+    }
+}
