@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::{ci, golden, layers, no_float, setup, shell};
+use crate::{accuracy, ci, golden, layers, no_float, setup, shell};
 
 /// The chores of microlux.
 #[derive(Parser)]
@@ -33,6 +33,11 @@ enum Chore {
     NoFloat,
     /// Compare the golden pictures with the record
     Golden(golden::Options),
+    /// Measure the picture's errors and write docs/accuracy.md
+    ///
+    /// Compares fixed point with the f64 reference on every built-in scene, and on scene files with Mitsuba's pictures
+    /// too. Takes some ten minutes; Mitsuba's own error is measured where `cargo xtask setup --what oracle` has put it.
+    Accuracy(accuracy::Options),
 }
 
 impl Xtask {
@@ -44,6 +49,7 @@ impl Xtask {
             Chore::Layers => layers::check(&shell::root()).map(|summary| println!("{summary}")),
             Chore::NoFloat => no_float::check(&shell::root()).map(|summary| println!("{summary}")),
             Chore::Golden(options) => golden::run(&options),
+            Chore::Accuracy(options) => accuracy::run(&options),
         }
     }
 }

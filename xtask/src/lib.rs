@@ -3,6 +3,7 @@
 //! A chore that needs a program which is missing says which one and how to get it. Whatever compiles for a chip asks
 //! [`toolchain`] for its cargo, so that rustup's targets and Debian's compiler both serve.
 
+pub mod accuracy;
 pub mod ci;
 pub mod cli;
 pub mod golden;
