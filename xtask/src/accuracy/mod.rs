@@ -52,6 +52,8 @@ pub fn run(options: &Options) -> Result<()> {
     cases.extend(case::bunny(&bunny, folder.path())?);
     cases.retain(|case| options.only.is_empty() || options.only.contains(&case.name));
 
+    // Now, since the tree may change while this runs.
+    let header = Header::now(options.spp)?;
     let mut rows = Vec::new();
     for case in &cases {
         println!("{}", case.label());
@@ -63,7 +65,7 @@ pub fn run(options: &Options) -> Result<()> {
             outcome,
         });
     }
-    let text = record::text(&Header::now(options.spp)?, &rows);
+    let text = record::text(&header, &rows);
     if options.only.is_empty() {
         let path = shell::root().join(RECORD);
         std::fs::write(&path, text).with_context(|| path.display().to_string())?;
