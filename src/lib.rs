@@ -1,3 +1,4 @@
+#![doc = include_str!("../README.md")]
 #![no_std]
 #![forbid(unsafe_code)]
 // No floats outside tests; clippy.toml disallows the types, `cargo xtask no-float` looks into a linked program.
