@@ -78,7 +78,7 @@ pub fn text(header: &Header, rows: &[Row]) -> String {
     }
     page += &third(rows);
     let refused = rows.iter().filter_map(|row| match &row.outcome {
-        Outcome::Refused(line) => Some(format!("- {}: {line}\n", row.scene)),
+        Outcome::Refused(line) => Some(format!("- {line}\n")),
         Outcome::Measured(_) => None,
     });
     let refused: String = refused.collect();
@@ -196,7 +196,7 @@ mod tests {
             "256 samples a pixel. 2000-02-29, commit abc, rustc 1.",
             "| spheres | path | 128 × 96 | -0.120 % | 0.03400 | 31.5 dB | 0.0213 | 0.0026 % | 3.0e-6 | 7.0e-6 |",
             "| room.xml | +0.100 % | 0.0200 | -0.200 % | 0.0300 | +0.000 % | 0.0100 |",
-            "- rough.xml: rough.xml:3: no roughness",
+            "- rough.xml:3: no roughness",
         ];
         for line in lines {
             assert!(page.lines().any(|l| l == line), "{line}\nis not in\n{page}");
