@@ -56,7 +56,8 @@ noise of both as well as their difference; bias is what noise does not explain.
 - FLIP: mean of the map, 67 pixels a degree, sRGB clipped to 0..1
 - hit or miss: share of primary rays that meet something in one of the two alone
 - hit point: distance between the two points that one primary ray meets, as a share of the scene's extent (the diagonal
-  of the box around all finite shapes): 99th percentile of all rays, and 99.99th of those away from silhouettes
+  of the box around all finite shapes), or of the way there where that is longer, which it is far out on infinite planes:
+  99th percentile of all rays, and 99.99th of those away from silhouettes
 ";
 
 /// The whole page.
