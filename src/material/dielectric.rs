@@ -84,7 +84,8 @@ impl Dielectric {
 /// Fresnel reflectance for unpolarised light and the cosine of the refracted ray, both Q16; (1, 0) in total reflection.
 ///
 /// `cos_i` in 0 ..= 1 to the normal on the incoming side; `eta` the index beyond over the index here, with its
-/// reciprocal. R = ½ (r∥² + r⊥²) (Born and Wolf, section 1.5.2). Error 2^-13 at most (`tests/fresnel.rs`).
+/// reciprocal. R = ½ (r∥² + r⊥²) (Born and Wolf, section 1.5.2). Error for η from ¼ to 4: 1.9e-4 at most, RMS 2.7e-5, no
+/// bias (mean within 1e-6); where the refracted ray grazes (cosine under 0.1) 4e-3 at most, since R is steep there.
 pub fn fresnel_dielectric(cos_i: i32, eta: i32, inv_eta: i32) -> (i32, i32) {
     // sin² θt = sin² θi / η², as U0F32 with 1 saturated
     let cos_bits = (cos_i.min(ONE_Q16 - 1) as u32) << 16;
@@ -103,4 +104,47 @@ pub fn fresnel_dielectric(cos_i: i32, eta: i32, inv_eta: i32) -> (i32, i32) {
     let s = ratio(cos_i, mul_q16(eta, cos_t));
     let p = ratio(mul_q16(eta, cos_i), cos_t);
     (((s + p + 1) >> 1).min(ONE_Q16), cos_t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The formula in f64: reflectance and the cosine beyond.
+    fn exact(cos_i: f64, eta: f64) -> (f64, f64) {
+        let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
+        if sin2_t >= 1.0 {
+            return (1.0, 0.0);
+        }
+        let cos_t = (1.0 - sin2_t).sqrt();
+        let s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+        let p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+        ((s * s + p * p) / 2.0, cos_t)
+    }
+
+    #[test]
+    fn reflectance_is_as_the_formula_says() {
+        let (mut max, mut near, mut squares, mut sum, mut count) = (0.0f64, 0.0f64, 0.0, 0.0, 0.0);
+        for eta in [0.25, 0.4, 0.6667, 0.75, 0.9, 1.1, 1.33, 1.5, 1.8, 2.42, 4.0] {
+            let eta = (eta * 65536.0) as i32;
+            let inv_eta = Dielectric::new(Metres::from_bits(eta)).inv_eta;
+            for cos_i in (0..=65536).step_by(13) {
+                let (reflectance, _) = fresnel_dielectric(cos_i, eta, inv_eta);
+                let (wanted, cos_t) = exact(f64::from(cos_i) / 65536.0, f64::from(eta) / 65536.0);
+                let error = f64::from(reflectance) / 65536.0 - wanted;
+                if cos_t > 0.1 || cos_t == 0.0 {
+                    max = max.max(error.abs());
+                } else {
+                    near = near.max(error.abs());
+                }
+                squares += error * error;
+                sum += error;
+                count += 1.0;
+            }
+        }
+        let (rms, mean) = (f64::sqrt(squares / count), f64::abs(sum / count));
+        assert!((1.4e-4..1.9e-4).contains(&max), "{max:e}");
+        assert!((2e-3..4e-3).contains(&near), "{near:e}");
+        assert!((2e-5..3e-5).contains(&rms) && mean < 1e-6, "{rms:e} {mean:e}");
+    }
 }

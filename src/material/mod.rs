@@ -1,4 +1,4 @@
-//! What surfaces do with light: an `enum` of BSDFs, each with `eval`, `pdf` and `sample` that belong together.
+//! What surfaces do with light: an `enum` of BSDFs, whose `eval` (value and density) and `sample` belong together.
 //!
 //! Directions point away from the surface: `wo` towards the eye, `wi` towards the light. `eval` gives f·|cos θi|, so
 //! that nothing divides by the cosine.

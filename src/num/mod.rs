@@ -9,6 +9,7 @@
 //! | uniform random number | [`Uniform`] (`U0F32`) | u32 | [`crate::sampler`] |
 //! | angle | [`Turn`] (`U0F32`, whole turns) | u32 | [`sin_cos`] |
 //! | density, solid angle, 1/d² | [`Wide`] | u16 mantissa, i16 exponent | lights, BSDFs, weights |
+//! | light, throughput, three channels | [`crate::color::Radiance`] | 3×u16 under one i16 exponent | all that shines |
 //!
 //! Hot kernels take the raw bits and document their products. Each gives the same bits on every target; where a
 //! target lacks a 32×32→64 multiplier, the same result is made of 32-bit products (`narrow_mul`, set by `build.rs`).

@@ -1,4 +1,10 @@
 //! The scene: borrowed, checked once at [`Scene::new`], then safe to render.
+//!
+//! What its words mean, here as in Mitsuba 3: right-handed coordinates. A path of n segments meets n − 1 surfaces before
+//! the one it ends on: depth 1 is emission, 2 direct light. Pixel (x, y) covers [x, x + 1) × [y, y + 1), y down. An
+//! area light emits on the side of its normal, spheres outwards; a dielectric's inside is where its normal does not
+//! point. Light is W·sr⁻¹·m⁻² a channel, linear sRGB; a point light's intensity falls off by 1/d², d in metres; a
+//! directional light is irradiance on a plane that faces it.
 
 mod arrange;
 mod builder;

@@ -1,7 +1,8 @@
 //! What rays hit: closed forms and triangle meshes.
 //!
-//! Each closed form is intersected relative to itself, so that its error is a share of its own size, and says how far a
-//! ray's origin must be lifted off it so that the ray does not meet it again: bounds from the arithmetic, no epsilon.
+//! Each closed form is intersected relative to itself, so that its error is a share of its own size and of the way
+//! there, never of the scene; and it says how far a ray's origin must be lifted off it so that the ray does not meet it
+//! again: bounds from the arithmetic, no epsilon.
 
 mod grid;
 mod mesh;
