@@ -54,7 +54,7 @@ impl Builtin {
             }
             Builtin::Spheres => {
                 let (mut builder, camera) = spheres()?;
-                let mut nodes = [Node::EMPTY; max_nodes(9)];
+                let mut nodes = [Node::EMPTY; max_nodes(10)];
                 Ok(render(&builder.build(&mut nodes)?, camera))
             }
             Builtin::Torus => {
