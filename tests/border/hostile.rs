@@ -161,7 +161,8 @@ fn camera(random: &mut Random) -> Camera {
         2 => random.point(1000),
         _ => random.point(REACH),
     };
-    let tan_half = I12F20::from_bits(random.pick(&[i32::MIN, 0, 1, 1000, 1 << 19, 1 << 20, 1 << 24, i32::MAX]));
+    let tan_half =
+        I12F20::from_bits(random.pick(&[i32::MIN, 0, 1, 1000, 1 << 19, 1 << 20, 1 << 24, i32::MAX]));
     let looking = Camera::look_at(origin, random.point(REACH), random.dir().0, tan_half);
     let camera = match looking {
         Some(camera) if !random.one_in(4) => camera,
