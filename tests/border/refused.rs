@@ -152,7 +152,8 @@ fn shapes_without_extent() {
 
 #[test]
 fn shapes_out_of_reach() {
-    let too_far = Err(SceneError::TooFar { shape: 1 });
+    let error = SceneError::TooFar { shape: 1 };
+    let too_far = Err(error);
     for x in [REACH, -REACH, i32::MAX, i32::MIN] {
         let at = Point([0, x, 0]);
         assert_eq!(with_shape(Sphere::new(at, 1)), too_far, "{x}");
@@ -166,7 +167,6 @@ fn shapes_out_of_reach() {
     }
     assert_eq!(with_shape(Sphere::new(Point([REACH - 1, 0, 0]), 1)), Ok(()));
     assert_eq!(with_shape(Plane::new(Point([REACH; 3]), Dir::Y)), Ok(()));
-    let error = too_far.unwrap_err();
     assert_eq!(error.shape(), Some(1));
     assert!(error.to_string().starts_with("shape 1: reaches beyond"));
 }
