@@ -12,39 +12,50 @@ pub struct Camera {
     right: Dir,
     up: Dir,
     forward: Dir,
-    /// Half the picture's width at distance 1: the tangent of half the horizontal field of view, Q20.
+    /// Half the picture's width at distance 1: the tangent of half the horizontal field of view, Q20, up to 32.
     tan_half: I12F20,
     /// Radius of the lens and distance of what is in focus along `forward`, units; radius 0 for a pinhole.
     lens: (i32, i32),
 }
 
+/// The widest picture: 176.4° across.
+const MAX_TAN_HALF: I12F20 = I12F20::from_bits(32 << 20);
+
+/// Pixels a side that are told apart.
+const MAX_SIDE: u16 = 1 << 14;
+
 impl Camera {
     /// At `origin`, looking at `target`, `up` (any length) upwards in the picture.
     ///
+    /// `tan_half` from 0 to 32 (others are brought into that range): see [`Self::tan_half`].
     /// `None` if there is no way to look, or none that is not along `up`.
     pub fn look_at(origin: Point, target: Point, up: [i32; 3], tan_half: I12F20) -> Option<Camera> {
         let (forward, _) = origin.to(target).normalize()?;
         let up = Dir::new(up)?;
         let right = forward.cross(up)?;
         let up = right.cross(forward)?;
-        Some(Camera {
-            origin,
-            right,
-            up,
-            forward,
-            tan_half,
-            lens: (0, 1),
-        })
+        Some(Camera::from_frame(origin, [right, up, forward], tan_half))
     }
 
     /// From three directions at right angles: right and up in the picture, and forward into it.
+    ///
+    /// `tan_half` as for [`Self::look_at`].
     pub const fn from_frame(origin: Point, [right, up, forward]: [Dir; 3], tan_half: I12F20) -> Camera {
+        let bits = tan_half.to_bits();
+        let most = MAX_TAN_HALF.to_bits();
+        let bits = if bits < 0 {
+            0
+        } else if bits > most {
+            most
+        } else {
+            bits
+        };
         Camera {
             origin,
             right,
             up,
             forward,
-            tan_half,
+            tan_half: I12F20::from_bits(bits),
             lens: (0, 1),
         }
     }
@@ -90,8 +101,10 @@ impl Camera {
         self.lens.0 > 0
     }
 
-    /// What stays the same over a picture of `width` × `height` pixels.
+    /// What stays the same over a picture of `width` × `height` pixels, up to 2^14 a side (as which larger ones count) and
+    /// 32 times as high as wide.
     pub fn film(&self, width: u16, height: u16) -> FilmPlane {
+        let (width, height) = (width.min(MAX_SIDE), height.min(MAX_SIDE));
         FilmPlane {
             camera: *self,
             half_width: width as i32 * ONE_Q16,
@@ -119,7 +132,8 @@ impl FilmPlane {
     pub fn ray(&self, x: u16, y: u16, place: [Uniform; 2], lens: [Uniform; 2]) -> Option<Ray> {
         let camera = &self.camera;
         // From the middle, in half-pixels Q16 (under 2^30), times tan/width: Q20 at distance 1.
-        let across = |pixel: u16, u: Uniform| ((pixel as i32) << 17) + (u.to_bits() >> 15) as i32;
+        let across =
+            |pixel: u16, u: Uniform| ((pixel.min(MAX_SIDE - 1) as i32) << 17) + (u.to_bits() >> 15) as i32;
         let dx = across(x, place[0]) - self.half_width;
         let dy = self.half_height - across(y, place[1]);
         let tan = camera.tan_half.to_bits();

@@ -4,7 +4,7 @@ use super::{Mesh, Shape};
 use crate::bvh::{BuildError, Item, Node, SCENE_PAD, build_items};
 use crate::geom::{Point, REACH};
 use crate::light::Light;
-use crate::num::mul_q16;
+use crate::num::{ONE_Q16, mul_q16};
 use crate::shape::{Bounds, Disk, Geometry, Grid, Rectangle, Sphere};
 
 /// A shape's box and number, while the tree is built.
@@ -101,8 +101,8 @@ fn reorder(shapes: &mut [Shape], boxes: &mut [Boxed]) {
     }
 }
 
-/// The finest grid around all finite shapes with the margin that the tree's boxes grow by.
-pub(super) fn scene_grid(shapes: &[Shape], meshes: &[Mesh]) -> Grid {
+/// The finest grid around all finite shapes with the margin that the tree's boxes grow by, and as coarse as the meshes'.
+fn scene_grid(shapes: &[Shape], meshes: &[Mesh]) -> Grid {
     let mut low = [i32::MAX; 3];
     let mut high = [i32::MIN; 3];
     for (a, b) in shapes.iter().filter_map(|shape| reach(&shape.geometry, meshes)) {
@@ -115,14 +115,35 @@ pub(super) fn scene_grid(shapes: &[Shape], meshes: &[Mesh]) -> Grid {
         (low, high) = ([0; 3], [0; 3]);
     }
     let clamp = |v: [i32; 3]| Point(v.map(|c| c.clamp(-REACH, REACH)));
-    Grid::around(clamp(low), clamp(high), SCENE_PAD)
+    let steps = coarsest(shapes, meshes).map_or(0, |(shift, _)| shift);
+    Grid::around_in_steps(clamp(low), clamp(high), SCENE_PAD, steps)
         .or(Grid::new(Point([-2 * REACH; 3]), Grid::MAX_SHIFT))
         .unwrap_or(Grid::UNIT)
+}
+
+/// The coarsest grid of a mesh that is placed: its shift, and the mesh.
+///
+/// A mesh sees rays to a few of its own steps: [`SCENE_PAD`] covers that as long as the scene's are no smaller.
+pub(super) fn coarsest(shapes: &[Shape], meshes: &[Mesh]) -> Option<(u32, u16)> {
+    let placed = shapes.iter().filter_map(|shape| match shape.geometry {
+        Geometry::Mesh(index) => Some((meshes.get(index as usize)?.triangles.grid.shift(), index)),
+        _ => None,
+    });
+    placed.max_by_key(|(shift, _)| *shift)
 }
 
 /// A finite shape's box in the scene's grid; nothing for a plane.
 pub(super) fn shape_bounds(shape: &Shape, meshes: &[Mesh], grid: &Grid) -> Bounds {
     reach(&shape.geometry, meshes).map_or(Bounds::EMPTY, |(low, high)| grid.enclose(low, high))
+}
+
+/// How far a rectangle's corners lie from its centre along each axis, units; for wrong sizes or directions no more than
+/// for the largest right ones.
+pub(super) fn rectangle_reach(rectangle: &Rectangle) -> [i32; 3] {
+    let Rectangle { u, v, half, .. } = rectangle;
+    // Each product is rounded down, by less than one unit.
+    let along = |half: i32, c: i32| mul_q16(half.clamp(0, REACH), c.clamp(-ONE_Q16, ONE_Q16).abs()) + 1;
+    [0, 1, 2].map(|i| along(half[0], u.0[i]) + along(half[1], v.0[i]))
 }
 
 /// The corners of a finite shape's box, units.
@@ -135,13 +156,7 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh]) -> Option<(Point, Poin
         Geometry::Sphere(Sphere { center, radius }) => Some(around(center, [radius; 3])),
         Geometry::Plane(_) => None,
         Geometry::Disk(Disk { center, radius, .. }) => Some(around(center, [radius; 3])),
-        Geometry::Rectangle(Rectangle {
-            center, u, v, half, ..
-        }) => {
-            // Each product is rounded down, by less than one unit.
-            let side = |i: usize| mul_q16(half[0], u.0[i].abs()) + mul_q16(half[1], v.0[i].abs()) + 2;
-            Some(around(center, [side(0), side(1), side(2)]))
-        }
+        Geometry::Rectangle(rectangle) => Some(around(rectangle.center, rectangle_reach(&rectangle))),
         Geometry::Mesh(index) => {
             let mesh = meshes.get(index as usize)?;
             let bounds = mesh.triangles.bounds();

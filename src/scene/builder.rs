@@ -25,6 +25,11 @@ pub struct SceneBuilder<const SHAPES: usize, const MATERIALS: usize, const LIGHT
 impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
     SceneBuilder<SHAPES, MATERIALS, LIGHTS>
 {
+    const NO_ROOM_FOR_LIGHTS: SceneError = SceneError::Full {
+        what: "lights",
+        needed: LIGHTS + 1,
+    };
+
     /// An empty scene in the default unit.
     pub const fn new() -> Self {
         Self::with_unit(Unit::DEFAULT)
@@ -69,6 +74,9 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         radiance: Radiance,
     ) -> Result<(), SceneError> {
         let (shape, light) = (self.shapes.len() as u16, self.lights.len() as u16);
+        if self.lights.is_full() {
+            return Err(Self::NO_ROOM_FOR_LIGHTS);
+        }
         self.push(geometry.into(), material, Some(light))?;
         self.light(Light::Area { shape, radiance })
     }
@@ -83,10 +91,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             }
             return Ok(());
         }
-        self.lights.push(light).map_err(|_| SceneError::Full {
-            what: "lights",
-            needed: LIGHTS + 1,
-        })
+        self.lights.push(light).map_err(|_| Self::NO_ROOM_FOR_LIGHTS)
     }
 
     fn push(
@@ -122,11 +127,9 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
         if let Some(environment) = self.environment.take() {
-            let full = |_| SceneError::Full {
-                what: "lights",
-                needed: LIGHTS + 1,
-            };
-            self.lights.push(environment).map_err(full)?;
+            self.lights
+                .push(environment)
+                .map_err(|_| Self::NO_ROOM_FOR_LIGHTS)?;
         }
         let mut boxes = [Boxed::EMPTY; SHAPES];
         let found = arrange(&mut self.shapes, meshes, &mut self.lights, &mut boxes, nodes)

@@ -1,11 +1,11 @@
-use super::arrange::shape_bounds;
+use super::arrange::{coarsest, reach, rectangle_reach, shape_bounds};
 use super::{Parts, Scene};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::color::Radiance;
 use crate::geom::{Dir, Point, REACH};
 use crate::light::Light;
-use crate::num::mul_q16;
-use crate::shape::Geometry;
+use crate::num::ONE_Q16;
+use crate::shape::{Geometry, Grid};
 
 /// Why a scene can't be rendered. Shapes are named by the user's number, materials and lights by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -28,6 +28,8 @@ pub enum SceneError {
     LightShape { light: u16 },
     /// A light stands beyond ±2·[`REACH`] units.
     LightTooFar { light: u16 },
+    /// The way a directional light travels is no unit vector.
+    LightDirection { light: u16 },
     /// An environment must be the last light, and there can be one.
     Environment { light: u16 },
     /// Nothing in the scene emits light.
@@ -36,6 +38,8 @@ pub enum SceneError {
     NoSuchMesh { shape: u16, mesh: u16 },
     /// The mesh or the tree over it is wrong.
     Mesh { mesh: u16, error: CheckError },
+    /// The scene's grid is finer than this mesh's.
+    Grid { mesh: u16 },
     /// The tree over the shapes is wrong, or does not fit in the memory for it.
     Tree(CheckError),
     /// Finite shapes must come first, as many as `bounded` says.
@@ -62,11 +66,13 @@ impl core::fmt::Display for SceneError {
             Self::Albedo { material } => write!(f, "material {material}: a reflectance is above 1"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
+            Self::LightDirection { light } => write!(f, "light {light}: its direction is no unit vector"),
             Self::Environment { light } => {
                 write!(f, "light {light}: one environment, after all other lights")
             }
             Self::NoSuchMesh { shape, mesh } => write!(f, "shape {shape}: there is no mesh {mesh}"),
             Self::Mesh { mesh, error } => write!(f, "mesh {mesh}: {error}"),
+            Self::Grid { mesh } => write!(f, "mesh {mesh}: its grid is coarser than the scene's"),
             Self::Tree(error) => write!(f, "the tree over the shapes: {error}"),
             Self::Order { shape } => write!(f, "shape {shape}: finite shapes come first, then planes"),
             Self::Nodes { needed } => write!(f, "too few nodes: {needed} are enough"),
@@ -116,6 +122,12 @@ impl<'a> Scene<'a> {
                     mesh,
                 });
             }
+            if let (Geometry::Mesh(_), Some((low, high))) =
+                (shape.geometry, reach(&shape.geometry, parts.meshes))
+                && (is_far(low) || is_far(high))
+            {
+                return Err(SceneError::TooFar { shape: shape.id });
+            }
             if shape.material as usize >= parts.materials.len() {
                 return Err(SceneError::NoSuchMaterial {
                     shape: shape.id,
@@ -144,10 +156,17 @@ impl<'a> Scene<'a> {
             };
             mesh_depth = mesh_depth.max(check_mesh(&mesh.triangles, mesh.nodes).map_err(wrong)?);
         }
+        if let Some((shift, mesh)) = coarsest(parts.shapes, parts.meshes)
+            && shift > parts.grid.shift()
+        {
+            return Err(SceneError::Grid { mesh });
+        }
         let finite = parts.shapes.get(..parts.bounded as usize).unwrap_or(&[]);
         let bounds = |i: u32| {
             let shape = finite.get(i as usize)?;
-            Some(shape_bounds(shape, parts.meshes, &parts.grid).pad(SCENE_PAD))
+            let inside =
+                reach(&shape.geometry, parts.meshes).is_none_or(|(low, high)| holds(&parts.grid, low, high));
+            inside.then(|| shape_bounds(shape, parts.meshes, &parts.grid).pad(SCENE_PAD))
         };
         let depth = mesh_depth + check_tree(finite.len(), bounds, parts.nodes).map_err(SceneError::Tree)?;
         let mut light_count = 0;
@@ -166,7 +185,15 @@ impl<'a> Scene<'a> {
                     }
                     !intensity.is_black()
                 }
-                Light::Directional { irradiance, .. } => !irradiance.is_black(),
+                Light::Directional {
+                    direction,
+                    irradiance,
+                } => {
+                    if !is_unit(*direction) {
+                        return Err(SceneError::LightDirection { light: index });
+                    }
+                    !irradiance.is_black()
+                }
                 Light::Area { shape, radiance } => {
                     if parts
                         .shapes
@@ -196,8 +223,23 @@ impl<'a> Scene<'a> {
     }
 }
 
+/// To 2^-13, and in components that no product of two directions overflows with.
+fn is_unit(d: Dir) -> bool {
+    d.0.iter().all(|c| c.unsigned_abs() <= 2 << 16) && (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12
+}
+
+fn is_far(p: Point) -> bool {
+    p.0.iter().any(|c| c.unsigned_abs() > REACH as u32)
+}
+
+/// Whether a grid holds a box, so far as that is within reach, with the margin by which the tree's boxes grow.
+fn holds(grid: &Grid, low: Point, high: Point) -> bool {
+    let first = grid.to_scene([SCENE_PAD; 3]);
+    let last = grid.to_scene([u16::MAX - SCENE_PAD; 3]);
+    (0..3).all(|i| first.0[i] <= low.0[i].max(-REACH) && high.0[i].min(REACH) <= last.0[i])
+}
+
 fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
-    let unit = |d: Dir| (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12;
     let far = |p: Point, reach: [i32; 3]| {
         p.0.iter()
             .zip(reach)
@@ -206,15 +248,20 @@ fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
     let size = |r: i32| (1..=REACH).contains(&r);
     let (fits, extent) = match *geometry {
         Geometry::Sphere(s) => (!far(s.center, [s.radius; 3]), size(s.radius)),
-        Geometry::Plane(p) => (!far(p.point, [0; 3]), unit(p.normal)),
-        Geometry::Disk(d) => (!far(d.center, [d.radius; 3]), size(d.radius) && unit(d.normal)),
+        Geometry::Plane(p) => (!far(p.point, [0; 3]), is_unit(p.normal)),
+        Geometry::Disk(d) => (!far(d.center, [d.radius; 3]), size(d.radius) && is_unit(d.normal)),
         Geometry::Rectangle(r) => {
             let [a, b] = r.half;
-            let reach = [0, 1, 2].map(|i| mul_q16(a, r.u.0[i].abs()) + mul_q16(b, r.v.0[i].abs()));
-            let square = unit(r.u) && unit(r.v) && unit(r.normal) && r.u.dot(r.v).abs() <= 16;
-            (!far(r.center, reach), size(a) && size(b) && square)
+            let unit = is_unit(r.u) && is_unit(r.v) && is_unit(r.normal);
+            // The normal is u × v, not its opposite.
+            let square =
+                || r.u.dot(r.v).abs() <= 16 && r.u.cross(r.v).is_some_and(|n| n.dot(r.normal) > ONE_Q16 - 16);
+            (
+                !far(r.center, rectangle_reach(&r)),
+                size(a) && size(b) && unit && square(),
+            )
         }
-        // Its vertices are in its grid's cube: nothing more to ask here.
+        // Asked with its vertices.
         Geometry::Mesh(_) => (true, true),
     };
     if !extent {

@@ -30,7 +30,7 @@ impl Scene<'_> {
             nearest.test(index);
         }
         if let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) {
-            nearest.limit = grid_ray.limit(nearest.t_max + 1);
+            nearest.limit = depth_limit(&grid_ray, nearest.t_max + 1);
             traverse(self.parts.nodes, &grid_ray, &mut nearest);
         }
         nearest.hit
@@ -69,7 +69,7 @@ impl Scene<'_> {
         let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) else {
             return false;
         };
-        let limit = grid_ray.limit(distance);
+        let limit = depth_limit(&grid_ray, distance);
         let mut any = Any {
             scene: self,
             ray,
@@ -159,6 +159,15 @@ impl Scene<'_> {
     }
 }
 
+/// A depth in steps that no box of a shape met nearer than `distance` begins beyond.
+///
+/// The grid's ray may start a step ahead of the true one, and a shape be met before it: such a shape's box, which is
+/// [`crate::bvh::SCENE_PAD`] steps larger, still reaches to depth 0.
+#[inline]
+fn depth_limit(ray: &GridRay, distance: i32) -> i32 {
+    ray.limit(distance).max(0)
+}
+
 /// The nearest hit so far, by distance and then by the shape's place.
 struct Nearest<'a> {
     scene: &'a Scene<'a>,
@@ -203,7 +212,7 @@ impl Visitor for Nearest<'_> {
     fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
         for index in first..first + count {
             if self.test(index as usize) {
-                self.limit = ray.limit(self.t_max + 1);
+                self.limit = depth_limit(ray, self.t_max + 1);
             }
         }
         ControlFlow::Continue(())

@@ -44,7 +44,12 @@ impl Grid {
 
     /// The finest grid that holds the box from `low` to `high` with `margin` steps to spare on each side.
     pub fn around(low: Point, high: Point, margin: u16) -> Option<Grid> {
-        (0..=Grid::MAX_SHIFT).find_map(|shift| {
+        Grid::around_in_steps(low, high, margin, 0)
+    }
+
+    /// The same with steps of 2^`shift` units or more.
+    pub fn around_in_steps(low: Point, high: Point, margin: u16, shift: u32) -> Option<Grid> {
+        (shift as u8..=Grid::MAX_SHIFT).find_map(|shift| {
             let grid = Grid::new(
                 Point(low.0.map(|c| c.saturating_sub((margin as i32) << shift))),
                 shift,

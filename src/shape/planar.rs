@@ -60,10 +60,7 @@ impl Disk {
 
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
-        let t = crossing(self.center, self.normal, ray, t_max)?;
-        if t >= t_max {
-            return None;
-        }
+        let t = bounded_crossing(self.center, self.normal, ray, t_max)?;
         let [x, y, z] = self.center.to(ray.at(t)).0;
         let r = self.radius;
         if x > r || x < -r || y > r || y < -r || z > r || z < -r {
@@ -100,10 +97,7 @@ impl Rectangle {
 
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
-        let t = crossing(self.center, self.normal, ray, t_max)?;
-        if t >= t_max {
-            return None;
-        }
+        let t = bounded_crossing(self.center, self.normal, ray, t_max)?;
         // Coordinates are rounded down by up to 3 units.
         let p = self.center.to(ray.at(t));
         let x = dot(p, self.u);
@@ -168,6 +162,12 @@ fn slope(dir: Dir, normal: Dir) -> i32 {
         (true, true, _) => one(dir.0[2], z),
         _ => dir.dot_q24(normal),
     }
+}
+
+/// The same for a shape that ends: under `t_max`, and none that was placed at [`FAR`], where the ray is not on the plane.
+#[inline]
+fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
+    crossing(point, normal, ray, t_max).filter(|t| *t < t_max.min(FAR))
 }
 
 /// A point near a plane, brought onto it along the normal.

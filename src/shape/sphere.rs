@@ -32,7 +32,7 @@ impl Sphere {
         let f = ray.dir.times(t0).minus(to_center);
         // The direction's length is 1 to 2^-14 only: f may still lie that much of t0 before or behind.
         let r = self.radius;
-        let slack = r.saturating_add(t0.abs() >> 12);
+        let slack = r.saturating_add((t0.unsigned_abs() >> 12) as i32);
         if exceeds(f.0, slack) {
             return None;
         }

@@ -66,7 +66,7 @@ fn with_cornell<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneE
 #[inline(never)]
 fn with_spheres<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
     let (mut builder, camera) = spheres()?;
-    let mut nodes = [Node::EMPTY; max_nodes(9)];
+    let mut nodes = [Node::EMPTY; max_nodes(10)];
     Ok(render(&builder.build(&mut nodes)?, camera))
 }
 

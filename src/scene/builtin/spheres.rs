@@ -8,9 +8,9 @@ use crate::q;
 use crate::scene::{SceneBuilder, SceneError};
 use crate::shape::{Disk, Plane, Rectangle, Sphere};
 
-/// One of everything that has a closed form: a matt, a mirror and a glass ball, a tinted glass disk, a mirror on the
-/// wall, between a floor and a wall without end; every kind of light that is no mesh.
-pub fn spheres() -> Result<(SceneBuilder<9, 7, 6>, Camera), SceneError> {
+/// Ten shapes, each kind that has a closed form: two matt balls, a mirror and a glass one, a tinted glass disk, a mirror on
+/// the wall, between a floor and a wall without end; every kind of light that is no mesh.
+pub fn spheres() -> Result<(SceneBuilder<10, 7, 6>, Camera), SceneError> {
     let unit = Unit::DEFAULT;
     let mut b = SceneBuilder::with_unit(unit);
     let floor = b.material(Material::lambert(albedo(
@@ -44,6 +44,7 @@ pub fn spheres() -> Result<(SceneBuilder<9, 7, 6>, Camera), SceneError> {
     b.shape(ball(point(q!(-1.15), q!(0.5), q!(0.1)), q!(0.5)), matt)?;
     b.shape(ball(point(q!(0.1), q!(0.7), q!(-0.9)), q!(0.7)), mirror)?;
     b.shape(ball(point(q!(0.95), q!(0.45), q!(0.6)), q!(0.45)), clear)?;
+    b.shape(ball(point(q!(-0.25), q!(0.12), q!(0.75)), q!(0.12)), matt)?;
     b.shape(Plane::new(point(q!(0), q!(0), q!(-3)), z), wall)?;
     b.shape(
         Disk::new(point(q!(-0.4), q!(0.35), q!(1.2)), z, unit.length(q!(0.3))),

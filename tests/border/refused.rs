@@ -1,0 +1,443 @@
+//! Each way to be wrong, and what is said of it.
+
+use fixed::types::U1F15;
+use microlux::bvh::{CheckError, Node, build_mesh};
+use microlux::color::{Albedo, Radiance};
+use microlux::geom::{Dir, Point, REACH, Unit};
+use microlux::light::Light;
+use microlux::material::Material;
+use microlux::scene::{MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
+use microlux::shape::{Disk, Geometry, Grid, MeshError, Plane, Rectangle, Sphere, TriangleMesh};
+
+type Builder = SceneBuilder<8, 4, 4>;
+
+const CENTER: Point = Point([0; 3]);
+const BALL: Sphere = Sphere::new(CENTER, 1000);
+const SKY: Light = Light::Environment {
+    radiance: Radiance::WHITE,
+};
+const LAMP: Light = Light::Point {
+    position: CENTER,
+    intensity: Radiance::WHITE,
+};
+
+fn builder() -> (Builder, MaterialId) {
+    let mut b = Builder::new();
+    b.light(LAMP).unwrap();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    b.shape(BALL, white).unwrap();
+    (b, white)
+}
+
+fn built(mut b: Builder) -> Result<(), SceneError> {
+    b.build(&mut [Node::EMPTY; 4]).map(|_| ())
+}
+
+/// What the border says of a second shape.
+fn with_shape(geometry: impl Into<Geometry>) -> Result<(), SceneError> {
+    let (mut b, white) = builder();
+    b.shape(geometry, white).unwrap();
+    built(b)
+}
+
+fn rectangle(u: Dir, v: Dir, half: [i32; 2]) -> Rectangle {
+    Rectangle {
+        center: CENTER,
+        u,
+        v,
+        normal: Dir::Z,
+        half,
+    }
+}
+
+#[test]
+fn no_room() {
+    let mut b = SceneBuilder::<1, 1, 1>::new();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    let full = |what| Err(SceneError::Full { what, needed: 2 });
+    assert_eq!(b.material(Material::Black).map(|_| ()), full("materials"));
+    b.shape(BALL, white).unwrap();
+    assert_eq!(b.shape(BALL, white), full("shapes"));
+    b.light(LAMP).unwrap();
+    assert_eq!(b.light(LAMP), full("lights"));
+    b.light(SKY).unwrap();
+    assert_eq!(b.build(&mut [Node::EMPTY]).map(|_| ()), full("lights"));
+    // What did not fit leaves nothing behind.
+    let mut b = SceneBuilder::<2, 1, 1>::new();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    b.light(LAMP).unwrap();
+    assert_eq!(b.emitter(BALL, white, Radiance::WHITE), full("lights"));
+    b.shape(BALL, white).unwrap();
+    b.shape(BALL, white).unwrap();
+    assert!(b.build(&mut [Node::EMPTY]).is_ok());
+    let full = SceneError::Full {
+        what: "shapes",
+        needed: 3,
+    };
+    assert_eq!(full.to_string(), "no room for shapes: 3 are needed");
+}
+
+#[test]
+fn too_few_nodes() {
+    let (mut b, white) = builder();
+    for i in 0..7 {
+        b.shape(Sphere::new(Point([i * 5000, 0, 0]), 10), white).unwrap();
+    }
+    let error = b.build(&mut []).map(|_| ()).unwrap_err();
+    assert_eq!(error, SceneError::Nodes { needed: 2 });
+    assert_eq!(error.to_string(), "too few nodes: 2 are enough");
+    assert!(b.build(&mut [Node::EMPTY; 2]).is_ok());
+}
+
+#[test]
+fn shapes_without_extent() {
+    let degenerate = Err(SceneError::Degenerate { shape: 1 });
+    for radius in [0, -1, i32::MIN, REACH + 1, i32::MAX] {
+        assert_eq!(with_shape(Sphere::new(CENTER, radius)), degenerate, "{radius}");
+        assert_eq!(
+            with_shape(Disk::new(CENTER, Dir::X, radius)),
+            degenerate,
+            "{radius}"
+        );
+        assert_eq!(
+            with_shape(rectangle(Dir::X, Dir::Y, [5, radius])),
+            degenerate,
+            "{radius}"
+        );
+        assert_eq!(
+            with_shape(rectangle(Dir::X, Dir::Y, [radius, 5])),
+            degenerate,
+            "{radius}"
+        );
+    }
+    for normal in [
+        [0; 3],
+        [65536, 65536, 0],
+        [65000, 0, 0],
+        [i32::MAX; 3],
+        [i32::MIN; 3],
+        [1 << 24, 0, 0],
+    ] {
+        assert_eq!(
+            with_shape(Disk::new(CENTER, Dir(normal), 5)),
+            degenerate,
+            "{normal:?}"
+        );
+        assert_eq!(
+            with_shape(Plane::new(CENTER, Dir(normal))),
+            degenerate,
+            "{normal:?}"
+        );
+        assert_eq!(
+            with_shape(rectangle(Dir(normal), Dir::Y, [5; 2])),
+            degenerate,
+            "{normal:?}"
+        );
+    }
+    // Parallel sides, and a normal that is not at right angles to them.
+    assert_eq!(with_shape(rectangle(Dir::X, Dir::X, [5; 2])), degenerate);
+    let aslant = Dir([46341, 0, 46341]);
+    let mut leaning = rectangle(Dir::X, Dir::Y, [5; 2]);
+    leaning.normal = aslant;
+    assert_eq!(with_shape(leaning), degenerate);
+    let mut turned = rectangle(Dir::X, Dir::Y, [5; 2]);
+    turned.normal = -Dir::Z;
+    assert_eq!(with_shape(turned), degenerate);
+    assert_eq!(with_shape(Sphere::new(CENTER, 1)), Ok(()));
+    assert_eq!(
+        SceneError::Degenerate { shape: 1 }.to_string(),
+        "shape 1: has no extent"
+    );
+}
+
+#[test]
+fn shapes_out_of_reach() {
+    let error = SceneError::TooFar { shape: 1 };
+    let too_far = Err(error);
+    for x in [REACH, -REACH, i32::MAX, i32::MIN] {
+        let at = Point([0, x, 0]);
+        assert_eq!(with_shape(Sphere::new(at, 1)), too_far, "{x}");
+        assert_eq!(with_shape(Disk::new(at, Dir::Y, 1)), too_far, "{x}");
+        let mut square = rectangle(Dir::X, Dir::Y, [2; 2]);
+        square.center = at;
+        assert_eq!(with_shape(square), too_far, "{x}");
+    }
+    for x in [REACH + 1, -REACH - 1, i32::MAX, i32::MIN] {
+        assert_eq!(with_shape(Plane::new(Point([0, 0, x]), Dir::Y)), too_far, "{x}");
+    }
+    assert_eq!(with_shape(Sphere::new(Point([REACH - 1, 0, 0]), 1)), Ok(()));
+    assert_eq!(with_shape(Plane::new(Point([REACH; 3]), Dir::Y)), Ok(()));
+    assert_eq!(error.shape(), Some(1));
+    assert!(error.to_string().starts_with("shape 1: reaches beyond"));
+}
+
+#[test]
+fn lights() {
+    for x in [2 * REACH + 1, -2 * REACH - 1, i32::MAX, i32::MIN] {
+        let (mut b, _) = builder();
+        b.light(Light::Point {
+            position: Point([x, 0, 0]),
+            intensity: Radiance::WHITE,
+        })
+        .unwrap();
+        assert_eq!(built(b), Err(SceneError::LightTooFar { light: 1 }), "{x}");
+    }
+    for direction in [[0; 3], [65536, 65536, 0], [i32::MAX; 3], [i32::MIN, 0, 0]] {
+        let (mut b, _) = builder();
+        b.light(Light::Directional {
+            direction: Dir(direction),
+            irradiance: Radiance::WHITE,
+        })
+        .unwrap();
+        let error = built(b).unwrap_err();
+        assert_eq!(error, SceneError::LightDirection { light: 1 }, "{direction:?}");
+        assert_eq!(error.to_string(), "light 1: its direction is no unit vector");
+    }
+    let (mut b, _) = builder();
+    b.light(SKY).unwrap();
+    let error = b.light(SKY).unwrap_err();
+    assert_eq!(error, SceneError::Environment { light: 1 });
+    assert_eq!(
+        error.to_string(),
+        "light 1: one environment, after all other lights"
+    );
+    let (mut b, white) = builder();
+    b.emitter(Plane::new(CENTER, Dir::Y), white, Radiance::WHITE)
+        .unwrap();
+    let error = built(b).unwrap_err();
+    assert_eq!(error, SceneError::PlaneLight { shape: 1 });
+    assert_eq!(error.to_string(), "shape 1: an infinite plane can't be a light");
+    let mut b = Builder::new();
+    b.light(Light::Environment {
+        radiance: Radiance::BLACK,
+    })
+    .unwrap();
+    let error = built(b).unwrap_err();
+    assert_eq!(error, SceneError::NoLight);
+    assert_eq!(error.to_string(), "nothing in the scene emits light");
+    assert_eq!(built(Builder::new()), Err(SceneError::NoLight));
+    // Too far away.
+    let error = SceneError::LightTooFar { light: 3 };
+    assert_eq!(error.to_string(), "light 3: stands beyond 2^23 units");
+    assert_eq!(error.shape(), None);
+}
+
+#[test]
+fn materials() {
+    let (mut b, _) = builder();
+    let mut bright = Albedo::WHITE;
+    bright.0[1] = U1F15::from_bits(32769);
+    for material in [Material::lambert(bright), Material::mirror(bright)] {
+        let mut b = b.clone();
+        b.material(material).unwrap();
+        let error = built(b).unwrap_err();
+        assert_eq!(error, SceneError::Albedo { material: 1 });
+        assert_eq!(error.to_string(), "material 1: a reflectance is above 1");
+    }
+    // A material of another builder's.
+    let mut other = Builder::new();
+    other.material(Material::Black).unwrap();
+    let second = other.material(Material::Black).unwrap();
+    b.shape(BALL, second).unwrap();
+    let error = built(b).unwrap_err();
+    assert_eq!(
+        error,
+        SceneError::NoSuchMaterial {
+            shape: 1,
+            material: 1
+        }
+    );
+    assert_eq!(error.to_string(), "shape 1: there is no material 1");
+    assert_eq!(error.shape(), Some(1));
+}
+
+/// A tetrahedron.
+const VERTICES: [[u16; 3]; 4] = [[100, 100, 100], [900, 900, 100], [900, 100, 900], [100, 900, 900]];
+const TRIANGLES: [[u16; 3]; 4] = [[0, 1, 2], [0, 3, 1], [0, 2, 3], [1, 3, 2]];
+
+/// What the border says of a ball and a mesh.
+fn with_mesh(
+    grid: Grid,
+    vertices: &[[u16; 3]],
+    triangles: &[[u16; 3]],
+    nodes: usize,
+) -> Result<(), SceneError> {
+    let mut tree = [Node::EMPTY; 1];
+    let mut sorted = TRIANGLES;
+    build_mesh(&VERTICES, &mut sorted, &mut tree).unwrap();
+    let triangles = if triangles.is_empty() { &sorted } else { triangles };
+    let meshes = [Mesh {
+        triangles: TriangleMesh {
+            grid,
+            vertices,
+            triangles,
+        },
+        nodes: &tree[..nodes],
+    }];
+    let (mut b, white) = builder();
+    b.shape(Geometry::Mesh(0), white).unwrap();
+    b.build_with(&meshes, &mut [Node::EMPTY; 4]).map(|_| ())
+}
+
+#[test]
+fn meshes() {
+    assert_eq!(with_mesh(Grid::UNIT, &VERTICES, &[], 1), Ok(()));
+    assert_eq!(
+        with_shape(Geometry::Mesh(0)),
+        Err(SceneError::NoSuchMesh { shape: 1, mesh: 0 })
+    );
+    let error = |error| Err(SceneError::Mesh { mesh: 0, error });
+    let index = MeshError::Index { triangle: 0 };
+    assert_eq!(
+        with_mesh(Grid::UNIT, &VERTICES, &[[0, 1, 4]], 1),
+        error(CheckError::Mesh(index))
+    );
+    let mut low = VERTICES;
+    low[3][2] = Grid::MARGIN - 1;
+    let margin = CheckError::Mesh(MeshError::Margin { vertex: 3 });
+    assert_eq!(with_mesh(Grid::UNIT, &low, &[], 1), error(margin));
+    let mut moved = VERTICES;
+    moved[2][0] = 1000;
+    assert!(matches!(
+        with_mesh(Grid::UNIT, &moved, &[], 1),
+        Err(SceneError::Mesh {
+            mesh: 0,
+            error: CheckError::Outside { .. }
+        })
+    ));
+    assert_eq!(
+        with_mesh(Grid::UNIT, &VERTICES, &[], 0),
+        error(CheckError::NoNode { node: 0 })
+    );
+    let fewer = [[0, 1, 2], [0, 3, 1], [0, 2, 3]];
+    assert!(matches!(
+        with_mesh(Grid::UNIT, &VERTICES, &fewer, 1),
+        Err(SceneError::Mesh { mesh: 0, .. })
+    ));
+    assert_eq!(
+        SceneError::Mesh {
+            mesh: 0,
+            error: margin
+        }
+        .to_string(),
+        "mesh 0: vertex 3 lies too near a face of its cube"
+    );
+    let far = Grid::new(Point([0, 0, REACH - 900]), 0).unwrap();
+    assert_eq!(with_mesh(far, &VERTICES, &[], 1), Ok(()));
+    let far = Grid::new(Point([0, 0, REACH - 899]), 0).unwrap();
+    assert_eq!(
+        with_mesh(far, &VERTICES, &[], 1),
+        Err(SceneError::TooFar { shape: 1 })
+    );
+    assert_eq!(
+        SceneError::NoSuchMesh { shape: 1, mesh: 0 }.to_string(),
+        "shape 1: there is no mesh 0"
+    );
+}
+
+/// Parts put together by hand: a ball that is a light, and a plane.
+fn with_parts(change: impl Fn(&mut Parts, &mut [Shape; 2], &mut [Light; 2])) -> Result<(), SceneError> {
+    let mut b = Builder::new();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    b.emitter(BALL, white, Radiance::WHITE).unwrap();
+    b.shape(Plane::new(CENTER, Dir::Y), white).unwrap();
+    b.light(LAMP).unwrap();
+    let mut nodes = [Node::EMPTY; 1];
+    let scene = b.build(&mut nodes).unwrap();
+    let mut parts = *scene.parts();
+    let mut shapes: [Shape; 2] = parts.shapes.try_into().unwrap();
+    let mut lights: [Light; 2] = parts.lights.try_into().unwrap();
+    change(&mut parts, &mut shapes, &mut lights);
+    let parts = Parts {
+        shapes: &shapes,
+        lights: &lights,
+        ..parts
+    };
+    Scene::new(parts).map(|_| ())
+}
+
+#[test]
+fn parts_by_hand() {
+    assert_eq!(with_parts(|_, _, _| ()), Ok(()));
+    let error = with_parts(|_, shapes, _| shapes.swap(0, 1)).unwrap_err();
+    assert_eq!(error, SceneError::Order { shape: 1 });
+    assert_eq!(
+        error.to_string(),
+        "shape 1: finite shapes come first, then planes"
+    );
+    let bounded = |n| with_parts(move |parts, _, _| parts.bounded = n);
+    assert_eq!(bounded(0), Err(SceneError::Order { shape: 0 }));
+    assert_eq!(bounded(2), Err(SceneError::Order { shape: 1 }));
+    assert_eq!(bounded(u16::MAX), Err(SceneError::Order { shape: 1 }));
+    // A shape and its light name each other.
+    let error = with_parts(|_, shapes, _| shapes[0].light = Some(7)).unwrap_err();
+    assert_eq!(error, SceneError::NoSuchLight { shape: 0, light: 7 });
+    assert_eq!(error.to_string(), "shape 0: light 7 is not its area light");
+    let other = with_parts(|_, shapes, _| shapes[0].light = Some(1));
+    assert_eq!(other, Err(SceneError::NoSuchLight { shape: 0, light: 1 }));
+    let unnamed = with_parts(|_, shapes, _| shapes[0].light = None).unwrap_err();
+    assert_eq!(unnamed, SceneError::LightShape { light: 0 });
+    assert_eq!(unnamed.to_string(), "light 0: its shape does not name it");
+    let no_shape = with_parts(|_, shapes, lights| {
+        shapes[0].light = None;
+        lights[0] = Light::Area {
+            shape: 9,
+            radiance: Radiance::WHITE,
+        };
+    });
+    assert_eq!(no_shape, Err(SceneError::LightShape { light: 0 }));
+    let sky_first = with_parts(|_, shapes, lights| {
+        shapes[0].light = None;
+        lights[0] = SKY;
+    });
+    assert_eq!(sky_first, Err(SceneError::Environment { light: 0 }));
+    // Trees that are not over these shapes.
+    let missing = with_parts(|parts, _, _| parts.nodes = &[]).unwrap_err();
+    assert_eq!(missing, SceneError::Tree(CheckError::NoNode { node: 0 }));
+    assert_eq!(
+        missing.to_string(),
+        "the tree over the shapes: there is no node 0"
+    );
+    let moved = |x| {
+        with_parts(move |_, shapes, _| {
+            shapes[0].geometry = Sphere::new(Point([x, 0, 0]), 1000).into();
+        })
+    };
+    let outside = Err(SceneError::Tree(CheckError::Outside { primitive: 0 }));
+    assert_eq!(moved(60), outside);
+    let elsewhere = with_parts(|parts, _, _| parts.grid = Grid::new(Point([5000; 3]), 0).unwrap());
+    assert_eq!(elsewhere, outside);
+    let coarse = with_parts(|parts, _, _| parts.unit = Unit::new(-99));
+    assert_eq!(coarse, Ok(()));
+}
+
+#[test]
+fn a_mesh_coarser_than_the_scene() {
+    let mut tree = [Node::EMPTY; 1];
+    let mut triangles = TRIANGLES;
+    build_mesh(&VERTICES, &mut triangles, &mut tree).unwrap();
+    let mesh = |shift| Mesh {
+        triangles: TriangleMesh {
+            grid: Grid::new(CENTER, shift).unwrap(),
+            vertices: &VERTICES,
+            triangles: &triangles,
+        },
+        nodes: &tree,
+    };
+    let mut b = Builder::new();
+    b.light(LAMP).unwrap();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    b.shape(Geometry::Mesh(0), white).unwrap();
+    let (coarse, mut nodes) = ([mesh(5)], [Node::EMPTY; 1]);
+    let scene = b.build_with(&coarse, &mut nodes).unwrap();
+    let parts = *scene.parts();
+    assert_eq!(parts.grid.shift(), 5);
+    let coarser = [mesh(6)];
+    let error = Scene::new(Parts {
+        meshes: &coarser,
+        ..parts
+    });
+    let error = error.map(|_| ()).unwrap_err();
+    assert_eq!(error, SceneError::Grid { mesh: 0 });
+    assert_eq!(error.to_string(), "mesh 0: its grid is coarser than the scene's");
+}

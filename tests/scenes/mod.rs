@@ -1,0 +1,264 @@
+//! Random scenes: every shape, material and light, of every size, many on top of each other.
+
+use microlux::bvh::{Node, build_mesh, max_nodes};
+use microlux::color::{Albedo, Radiance};
+use microlux::geom::{Dir, Point, REACH, Unit};
+use microlux::light::Light;
+use microlux::material::{Dielectric, Material};
+use microlux::num::{Metres, Share};
+use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
+use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+
+/// SplitMix64.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn bits(&mut self) -> u32 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        (z ^ (z >> 31)) as u32
+    }
+
+    /// 0 ..< n.
+    pub fn below(&mut self, n: usize) -> usize {
+        ((self.bits() as u64 * n as u64) >> 32) as usize
+    }
+
+    pub fn one_in(&mut self, n: usize) -> bool {
+        self.below(n) == 0
+    }
+
+    pub fn pick<T: Copy>(&mut self, from: &[T]) -> T {
+        from[self.below(from.len())]
+    }
+
+    /// −limit ..= limit.
+    pub fn within(&mut self, limit: i32) -> i32 {
+        (self.bits() as i64 % (2 * limit as i64 + 1) - limit as i64) as i32
+    }
+
+    /// 1 ..= limit, each octave as often as the next.
+    pub fn size(&mut self, limit: i32) -> i32 {
+        let octave = self.below(limit.ilog2() as usize + 1);
+        ((1 << octave) + self.below(1 << octave) as i32).min(limit)
+    }
+
+    pub fn point(&mut self, limit: i32) -> Point {
+        Point([0; 3].map(|_| self.within(limit)))
+    }
+
+    /// Anywhere, along axes and diagonals, and next to an axis.
+    pub fn dir(&mut self) -> Dir {
+        let limit = self.pick(&[1, 1, 2, 1000, 1 << 20, 1 << 20, 1 << 20]);
+        let mut v = self.point(limit).0;
+        if self.one_in(4) {
+            v[self.below(3)] = 1 << 20;
+        }
+        Dir::new(v).unwrap_or(Dir::Z)
+    }
+}
+
+/// A mesh with its tree.
+pub struct Model {
+    pub grid: Grid,
+    pub vertices: Vec<[u16; 3]>,
+    pub triangles: Vec<[u16; 3]>,
+    pub nodes: Vec<Node>,
+}
+
+impl Model {
+    pub fn borrow(&self) -> Mesh<'_> {
+        Mesh {
+            triangles: TriangleMesh {
+                grid: self.grid,
+                vertices: &self.vertices,
+                triangles: &self.triangles,
+            },
+            nodes: &self.nodes,
+        }
+    }
+
+    /// Triangles of all sizes, some without area, in a cube somewhere within reach.
+    fn random(random: &mut Random) -> Model {
+        let shift = random.below(8) as u8;
+        let cube = 65536 << shift;
+        let origin = [0; 3].map(|_| random.within(REACH - cube / 2) - cube / 2);
+        let grid = Grid::new(Point(origin), shift).unwrap();
+        let (low, high) = (Grid::MARGIN as i32, (u16::MAX - Grid::MARGIN) as i32);
+        let count = 3 + random.below(40);
+        let size = random.size(65535);
+        let near = [0; 3].map(|_| random.below(65536) as i32);
+        let mut vertex = || near.map(|c| (c + random.within(size)).clamp(low, high) as u16);
+        let vertices: Vec<_> = (0..count).map(|_| vertex()).collect();
+        let triangle = |_| [0; 3].map(|_| random.below(count) as u16);
+        let mut triangles: Vec<_> = (0..2 * count).map(triangle).collect();
+        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
+        let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
+        nodes.truncate(used);
+        Model {
+            grid,
+            vertices,
+            triangles,
+            nodes,
+        }
+    }
+}
+
+/// What a scene is made of.
+pub struct Draft {
+    pub unit: Unit,
+    pub shapes: Vec<Shape>,
+    pub materials: Vec<Material>,
+    pub lights: Vec<Light>,
+    pub meshes: Vec<Model>,
+    pub nodes: Vec<Node>,
+    pub arrangement: Arrangement,
+}
+
+fn geometry(random: &mut Random, meshes: usize) -> Geometry {
+    let size = random.size(REACH);
+    let center = random.point(REACH - size);
+    match random.below(if meshes > 0 { 6 } else { 4 }) {
+        0 => Sphere::new(center, size).into(),
+        1 => Disk::new(center, random.dir(), size).into(),
+        2 => {
+            let (u, v) = (random.dir(), random.dir());
+            // Its corners must be within reach.
+            let half = [size / 2 + 1, random.size(size / 2 + 1)];
+            Rectangle::new(Point(center.0.map(|c| c / 2)), u, v, half)
+                .map_or(Sphere::new(center, size).into(), Into::into)
+        }
+        3 => Plane::new(random.point(REACH), random.dir()).into(),
+        _ => Geometry::Mesh(random.below(meshes) as u16),
+    }
+}
+
+fn albedo(random: &mut Random) -> Albedo {
+    Albedo([0; 3].map(|_| Share::from_bits(random.pick(&[0, 1, 9000, 32767, 32768]))))
+}
+
+pub fn radiance(random: &mut Random) -> Radiance {
+    let exponent = random.pick(&[-16, -16, -32, 0, 100, -100, 40_000, -40_000]);
+    Radiance::from_bits([0; 3].map(|_| random.bits() >> random.below(32)), exponent)
+}
+
+fn material(random: &mut Random) -> Material {
+    let (albedo, two_sided) = (albedo(random), random.one_in(2));
+    match random.below(8) {
+        0..=2 => Material::Lambert { albedo, two_sided },
+        3 | 4 => Material::Mirror {
+            reflectance: albedo,
+            two_sided,
+        },
+        5 | 6 => {
+            let eta = random.pick(&[
+                0,
+                1 << 14,
+                60_000,
+                65_535,
+                65_536,
+                65_537,
+                98_304,
+                1 << 18,
+                i32::MAX,
+            ]);
+            Material::Dielectric(Dielectric::new(Metres::from_bits(eta)).tinted(albedo, Albedo::WHITE))
+        }
+        _ => Material::Black,
+    }
+}
+
+impl Draft {
+    /// A scene that the border lets pass.
+    pub fn random(random: &mut Random) -> Draft {
+        let meshes: Vec<Model> = (0..random.below(3)).map(|_| Model::random(random)).collect();
+        let materials: Vec<Material> = (0..1 + random.below(5)).map(|_| material(random)).collect();
+        let mut shapes: Vec<Shape> = Vec::new();
+        let mut lights = vec![Light::Directional {
+            direction: random.dir(),
+            irradiance: Radiance::WHITE,
+        }];
+        for id in 0..1 + random.below(20) as u16 {
+            // Often the same again: two at one place, and the first is to be found.
+            let again = shapes.len() > 1 && random.one_in(4);
+            let geometry = if again {
+                shapes[random.below(shapes.len())].geometry
+            } else {
+                geometry(random, meshes.len())
+            };
+            let emits = random.one_in(4) && !matches!(geometry, Geometry::Plane(_));
+            shapes.push(Shape {
+                geometry,
+                material: random.below(materials.len()) as u16,
+                light: emits.then_some(lights.len() as u16),
+                id,
+            });
+            if emits {
+                lights.push(Light::Area {
+                    shape: id,
+                    radiance: radiance(random),
+                });
+            }
+        }
+        if random.one_in(2) {
+            lights.push(Light::Point {
+                position: random.point(2 * REACH),
+                intensity: radiance(random),
+            });
+        }
+        if random.one_in(3) {
+            lights.push(Light::Environment {
+                radiance: radiance(random),
+            });
+        }
+        let mut draft = Draft {
+            unit: Unit::new(random.pick(&[-20, 0, 10, 16, 20, 40])),
+            shapes,
+            materials,
+            lights,
+            meshes,
+            nodes: Vec::new(),
+            arrangement: Arrangement {
+                grid: Grid::UNIT,
+                bounded: 0,
+                nodes: 0,
+            },
+        };
+        draft.arrange();
+        draft
+    }
+
+    /// Builds the tree over the shapes as they are.
+    pub fn arrange(&mut self) {
+        self.nodes = vec![Node::EMPTY; max_nodes(self.shapes.len())];
+        let mut boxes = vec![Boxed::EMPTY; self.shapes.len()];
+        let meshes: Vec<Mesh> = self.meshes.iter().map(Model::borrow).collect();
+        self.arrangement = arrange(
+            &mut self.shapes,
+            &meshes,
+            &mut self.lights,
+            &mut boxes,
+            &mut self.nodes,
+        )
+        .unwrap();
+        self.nodes.truncate(self.arrangement.nodes);
+    }
+
+    pub fn meshes(&self) -> Vec<Mesh<'_>> {
+        self.meshes.iter().map(Model::borrow).collect()
+    }
+
+    pub fn parts<'a>(&'a self, meshes: &'a [Mesh<'a>]) -> Parts<'a> {
+        Parts {
+            unit: self.unit,
+            shapes: &self.shapes,
+            bounded: self.arrangement.bounded as u16,
+            materials: &self.materials,
+            lights: &self.lights,
+            meshes,
+            grid: self.arrangement.grid,
+            nodes: &self.nodes,
+        }
+    }
+}
