@@ -58,7 +58,12 @@ fn same_hit_as_the_list() {
             let t = hit.map_or(FAR + 1, |hit| hit.t);
             for distance in [t, t + 1, 1 + random.below(t as usize) as i32, 0, FAR + 1] {
                 let nearer = hit.is_some_and(|hit| hit.t < distance);
-                assert_eq!(scene.occluded(&ray, distance), nearer, "{distance}, {}", tell());
+                assert_eq!(
+                    scene.occluded(&ray, distance, None),
+                    nearer,
+                    "{distance}, {}",
+                    tell()
+                );
             }
             rays += 1;
             if let Some(hit) = hit {
