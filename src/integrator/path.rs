@@ -4,7 +4,7 @@ use crate::geom::Ray;
 use crate::light::choose;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
-use crate::scene::{Scene, Vertex};
+use crate::scene::{Scene, Seen, Vertex};
 
 /// Path tracing: at each vertex a light is sampled and the BSDF is sampled, joined by multiple importance sampling.
 ///
@@ -57,11 +57,19 @@ impl Path {
         while depth < self.max_depth {
             depth += 1;
             *rays += 1;
-            let Some(hit) = scene.closest(&ray) else {
-                if depth > 1 || !self.hide_emitters {
+            // Of the last segment only light matters, unless it is the camera's own.
+            let seen = if depth == self.max_depth && depth > 1 {
+                scene.closest_light(&ray)
+            } else {
+                Some(scene.closest(&ray).map_or(Seen::Environment, Seen::Emitter))
+            };
+            let hit = match seen {
+                Some(Seen::Emitter(hit)) => hit,
+                Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
                     sum = sum.add(throughput.mul(scene.environment()));
+                    break;
                 }
-                break;
+                Some(Seen::Environment) | None => break,
             };
             let vertex = scene.vertex(&ray, &hit);
             if depth == 1 && hidden > 0 && vertex.is_emitter {

@@ -23,6 +23,7 @@ use crate::shape::{Geometry, Grid, MeshHit, Surface, TriangleMesh};
 pub use arrange::{Arrangement, Boxed, arrange};
 pub use builder::{MaterialId, SceneBuilder};
 pub use check::SceneError;
+pub use query::Seen;
 
 /// A shape with what it is made of.
 #[derive(Clone, Copy, Debug, PartialEq)]

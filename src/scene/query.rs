@@ -3,6 +3,7 @@
 use super::{Hit, Scene};
 use crate::bvh::{self, Visitor, traverse};
 use crate::geom::{FAR, Ray};
+use crate::light::Light;
 use crate::shape::{Geometry, GridRay, Slopes};
 use core::ops::ControlFlow;
 
@@ -10,6 +11,18 @@ use core::ops::ControlFlow;
 ///
 /// A node's four boxes cost about what two spheres do, and the quantised ray one more.
 const FEW: u16 = 8;
+
+/// Lights that are asked one by one in [`Scene::closest_light`].
+const FEW_LIGHTS: u32 = 4;
+
+/// The light at the end of a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seen {
+    /// A shape that emits light, from whichever side it is seen.
+    Emitter(Hit),
+    /// Nothing stands in the way of what comes from all around.
+    Environment,
+}
 
 impl Scene<'_> {
     /// The first thing the ray meets; of several at the same distance, the first in the scene's order.
@@ -81,6 +94,49 @@ impl Scene<'_> {
         };
         traverse(self.parts.nodes, &grid_ray, &mut any);
         any.found
+    }
+
+    /// What of the scene's lights the ray meets first: the last segment of a path asks for nothing else.
+    ///
+    /// With a few emitters they are asked first, and what may stand before the nearest of them after, which is cheaper
+    /// than the nearest of all; a hit on an emitter at the very distance of another shape counts.
+    pub fn closest_light(&self, ray: &Ray) -> Option<Seen> {
+        if self.light_count > FEW_LIGHTS {
+            return match self.closest(ray) {
+                Some(hit) => self.is_emitter(hit.shape).then_some(Seen::Emitter(hit)),
+                None => Some(Seen::Environment),
+            };
+        }
+        let mut nearest: Option<Hit> = None;
+        for light in self.parts.lights {
+            let Light::Area { shape, .. } = *light else {
+                continue;
+            };
+            let t_max = nearest.map_or(FAR + 1, |hit| hit.t);
+            let found = match self.parts.shapes.get(shape as usize).map(|shape| shape.geometry) {
+                Some(Geometry::Mesh(_)) => self.intersect(shape as usize, ray, &Slopes::new(ray.dir), t_max),
+                Some(form) => form.intersect(ray, t_max).map(|t| Hit {
+                    t,
+                    shape,
+                    triangle: 0,
+                    barycentric: [0; 2],
+                }),
+                None => None,
+            };
+            nearest = found.or(nearest);
+        }
+        match nearest {
+            Some(hit) => (!self.occluded(ray, hit.t, Some(hit.shape))).then_some(Seen::Emitter(hit)),
+            None if self.environment.is_black() => None,
+            None => (!self.occluded(ray, FAR + 1, None)).then_some(Seen::Environment),
+        }
+    }
+
+    fn is_emitter(&self, shape: u16) -> bool {
+        self.parts
+            .shapes
+            .get(shape as usize)
+            .is_some_and(|shape| shape.light.is_some())
     }
 
     /// Whether asking each shape in turn is cheaper than the tree: a few closed forms.
