@@ -2,9 +2,10 @@
 
 mod scenes;
 
+use microlux::bvh;
 use microlux::geom::{FAR, REACH, Ray};
 use microlux::scene::{Hit, Scene};
-use microlux::shape::Geometry;
+use microlux::shape::{Geometry, Slopes};
 use scenes::{Draft, Random};
 
 /// From anywhere in reach or around it, from where a shape was met or its middle; anywhere, or towards a shape.
@@ -39,6 +40,27 @@ fn ray(random: &mut Random, scene: &Scene, met: Option<(Ray, Hit)>) -> Ray {
     }
 }
 
+/// How near the nearest of all shapes but one is, each asked by itself; beyond [`FAR`] if none is met.
+fn distance_but(scene: &Scene, ray: &Ray, but: u16) -> i32 {
+    let slopes = Slopes::new(ray.dir);
+    let parts = scene.parts();
+    let others = parts
+        .shapes
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| *i != but as usize);
+    others
+        .filter_map(|(_, shape)| match shape.geometry {
+            Geometry::Mesh(mesh) => {
+                let triangles = &parts.meshes[mesh as usize].triangles;
+                bvh::closest_linear(triangles, ray, &slopes, FAR + 1).map(|hit| hit.t)
+            }
+            closed => closed.intersect(ray, FAR + 1),
+        })
+        .min()
+        .unwrap_or(FAR + 1)
+}
+
 /// `MICROLUX_SCENES` is how many scenes.
 #[test]
 fn same_hit_as_the_list() {
@@ -62,6 +84,19 @@ fn same_hit_as_the_list() {
                     scene.occluded(&ray, distance, None),
                     nearer,
                     "{distance}, {}",
+                    tell()
+                );
+            }
+            // Without one of the shapes: most often that which is hit.
+            let but = hit.map_or(0, |hit| hit.shape);
+            let any = random.below(scene.parts().shapes.len()) as u16;
+            let but = random.pick(&[but, but, any]);
+            let next = distance_but(&scene, &ray, but);
+            for distance in [next, next + 1, 1 + random.below(next as usize) as i32] {
+                assert_eq!(
+                    scene.occluded(&ray, distance, Some(but)),
+                    next < distance && next <= FAR,
+                    "{distance} without {but}, {}",
                     tell()
                 );
             }

@@ -159,7 +159,8 @@ fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 
     ]);
     // The way there leads d cos θ ahead, less half a chord: r √(1 − (sin θ / sin θmax)²) (pbrt, 4th ed., 6.2.4).
     let chord = mul_q16(sphere.radius, isqrt(!share) as i32);
-    let distance = mul_q16(cone.distance, ONE_Q16 - uq) - chord;
+    // From where an endless plane is met, lengths may be past the end of the numbers.
+    let distance = mul_q16(cone.distance, ONE_Q16 - uq).saturating_sub(chord);
     Some(LightSample {
         wi: Frame::about(cone.axis).to_world(local),
         distance,
