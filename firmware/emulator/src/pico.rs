@@ -89,7 +89,7 @@ pub fn run(run: &Run) -> Result<()> {
         Some(file) => fs::canonicalize(file).with_context(|| file.display().to_string())?,
         None => PathBuf::new(),
     };
-    let program = build(run.screen, "", &mesh)?;
+    let program = build(run.screen, NAMES[run.goal.scene], "", &mesh)?;
     let size = size::of(&program)?;
     println!("flash {} bytes, RAM {} bytes without core 0's stack", size.flash, size.ram);
     let rgb = scratch("pico.rgb")?;
@@ -158,7 +158,7 @@ pub fn faults() -> Result<()> {
         ("hang", "stopped: watchdog", YELLOW),
     ];
     for (fault, line, colour) in cases {
-        let program = build(Screen::Square, fault, Path::new(""))?;
+        let program = build(Screen::Square, NAMES[0], fault, Path::new(""))?;
         let rgb = scratch("fault.rgb")?;
         let mut emulator = emulator(&program)?;
         emulator
@@ -202,14 +202,15 @@ pub fn bare(program: &Path) -> Result<Command> {
     Ok(emulator)
 }
 
-/// Builds the firmware; `provoke` names a fault that it then has, `mesh` an OBJ file, unless they are empty.
-fn build(screen: Screen, provoke: &str, mesh: &Path) -> Result<PathBuf> {
+/// Builds the firmware, which begins with the scene `first`; `provoke` names a fault that it then has, `mesh` an OBJ
+/// file, unless they are empty.
+fn build(screen: Screen, first: &str, provoke: &str, mesh: &Path) -> Result<PathBuf> {
     let mesh = mesh.to_str().context("the mesh file's name is not UTF-8")?;
     let features: &[_] = if screen == Screen::Wide { &["wide"] } else { &[] };
     let build = Build {
         package: "pico",
         features,
-        environment: &[("MICROLUX_PROVOKE", provoke), ("MICROLUX_MESH", mesh)],
+        environment: &[("MICROLUX_PROVOKE", provoke), ("MICROLUX_MESH", mesh), ("MICROLUX_FIRST", first)],
         name: "pico",
     };
     toolchain::build(&build, "thumbv6m-none-eabi", "firmware-pico")
@@ -254,14 +255,17 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<Vec<u8>> {
             camera,
         }));
     }
-    let mesh = baked.map_or_else(mesh::mesh, |baked| Mesh {
-        triangles: TriangleMesh {
-            grid: mesh::grid(),
-            vertices: &baked.vertices,
-            triangles: &baked.triangles,
+    let mesh = match baked {
+        Some(baked) => Mesh {
+            triangles: TriangleMesh {
+                grid: mesh::grid(),
+                vertices: &baked.vertices,
+                triangles: &baked.triangles,
+            },
+            nodes: &baked.nodes,
         },
-        nodes: &baked.nodes,
-    });
+        None => mesh::mesh(),
+    };
     let mut pedestal = Pedestal::new(mesh).map_err(refused)?;
     let (scene, camera) = pedestal.scene().map_err(refused)?;
     Ok(painted(frame, goal.pass, &Stage {
