@@ -55,6 +55,13 @@ pub struct Outcome {
 }
 
 impl Integrator {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Path => "path",
+        }
+    }
+
     pub const fn path(self) -> Path {
         match self {
             Self::Direct => Path::direct(),

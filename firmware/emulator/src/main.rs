@@ -1,11 +1,11 @@
-//! `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use emulator::{
-    count, identity,
+    bench, count, identity,
     machine::Machine,
     pico::{self, Screen},
     size,
@@ -43,6 +43,18 @@ enum Command {
         /// Folder for a CSV of every address executed
         #[arg(long)]
         histograms: Option<PathBuf>,
+    },
+    /// Measures what pictures cost on each core, and the Pico's display, memory and stacks
+    Bench {
+        /// File for the rows: core, scene, instructions, m0plus_cycles, pixels, crc
+        #[arg(long)]
+        json: Option<PathBuf>,
+        /// File for the tables, with date, commit and versions
+        #[arg(long)]
+        record: Option<PathBuf>,
+        /// Number of runs that must agree
+        #[arg(long, default_value_t = 2)]
+        runs: u32,
     },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
@@ -104,7 +116,8 @@ fn run(options: &Run) -> Result<()> {
             json: options.json.as_deref(),
             seconds: options.seconds,
             quiet: options.quiet,
-        }),
+        })
+        .map(|_| ()),
         Board::Machine(machine) => identity::check(&[Machine::Host, machine]),
     }
 }
@@ -132,6 +145,11 @@ fn goal(options: &Run) -> Result<pico::Goal> {
 fn execute(command: Command) -> Result<()> {
     match command {
         Command::Run(options) => run(&options),
+        Command::Bench { json, record, runs } => bench::run(&bench::Options {
+            runs,
+            json: json.as_deref(),
+            record: record.as_deref(),
+        }),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

@@ -19,6 +19,7 @@ use microlux::{
     scene::Mesh,
     shape::TriangleMesh,
 };
+use serde_json::Value;
 
 use crate::{
     process, size,
@@ -83,8 +84,18 @@ pub struct Run<'a> {
     pub quiet: bool,
 }
 
+/// What a run came to.
+pub struct Shown {
+    /// Red, green, blue of each pixel, as the display shows it.
+    pub rgb: Vec<u8>,
+    /// Times, cycles, stacks and faults, as `emulator/rp2040/run.mjs` writes them.
+    pub report: Value,
+    /// Rays that this computer asked of the scene for the same pass.
+    pub rays: u32,
+}
+
 /// Draws up to the goal and compares what the display shows with what this computer renders.
-pub fn run(run: &Run) -> Result<()> {
+pub fn run(run: &Run) -> Result<Shown> {
     let mesh = match run.mesh {
         Some(file) => fs::canonicalize(file).with_context(|| file.display().to_string())?,
         None => PathBuf::new(),
@@ -101,9 +112,8 @@ pub fn run(run: &Run) -> Result<()> {
     if let Some(file) = run.png {
         emulator.arg("--png").arg(file);
     }
-    if let Some(file) = run.json {
-        emulator.arg("--json").arg(file);
-    }
+    let json = scratch("pico.json")?;
+    emulator.arg("--json").arg(&json);
     if run.quiet {
         emulator.arg("--quiet");
     }
@@ -120,12 +130,20 @@ pub fn run(run: &Run) -> Result<()> {
         Some(file) => Some(bake(file)?),
         None => None,
     };
-    let expected = colours(run.screen.frame(), run.goal, baked.as_ref())?;
+    let (expected, rays) = colours(run.screen.frame(), run.goal, baked.as_ref())?;
     if let Some((x, y)) = first_difference(&shown, &expected, run.screen.frame().width())? {
         bail!("the display differs from this computer's picture at ({x}, {y}) first");
     }
     println!("the display shows what this computer renders, bit for bit");
-    Ok(())
+    let report = fs::read_to_string(&json).with_context(|| json.display().to_string())?;
+    if let Some(file) = run.json {
+        fs::write(file, &report).with_context(|| file.display().to_string())?;
+    }
+    Ok(Shown {
+        rgb: shown,
+        report: serde_json::from_str(&report)?,
+        rays,
+    })
 }
 
 fn bake(file: &Path) -> Result<Baked> {
@@ -245,7 +263,7 @@ fn scratch(name: &str) -> Result<PathBuf> {
 }
 
 /// The goal as the panel shows it: 8 bits a channel, the highest bits repeated below.
-fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<Vec<u8>> {
+fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, u32)> {
     let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
     if goal.scene == 0 {
         let mut cornell = Cornell::new().map_err(refused)?;
@@ -274,7 +292,8 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<Vec<u8>> {
     }))
 }
 
-fn painted(frame: Frame, pass: Pass, stage: &Stage) -> Vec<u8> {
+/// The pass, and its rays.
+fn painted(frame: Frame, pass: Pass, stage: &Stage) -> (Vec<u8>, u32) {
     let mut painter = Painter::new(stage, frame, pass);
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let mut colours = vec![0; 3 * width * height];
@@ -294,8 +313,7 @@ fn painted(frame: Frame, pass: Pass, stage: &Stage) -> Vec<u8> {
             colours[3 * (y * width + x)..][..3].copy_from_slice(&wide.map(|channel| channel as u8));
         }
     }
-    println!("{} rays in that pass", painter.rays());
-    colours
+    (colours, painter.rays())
 }
 
 /// Where two pictures of equal size differ first.
@@ -323,7 +341,7 @@ mod tests {
             scene: 1,
             pass: tile::PASSES[0],
         };
-        let expected = colours(tile::SQUARE, goal, None).unwrap();
+        let (expected, _) = colours(tile::SQUARE, goal, None).unwrap();
         let mut shown = expected.clone();
         assert_eq!(first_difference(&shown, &expected, 240).unwrap(), None);
         shown[3 * (5 * 240 + 7) + 1] ^= 1;
