@@ -175,14 +175,21 @@ fn pico_frame(scene: usize) -> Result<(Frame, Row)> {
         quiet: true,
     })?;
     let number = |value: &Value| value.as_f64().context("not a number in the emulator's report");
-    let whole = |value: &Value| value.as_u64().context("not a whole number in the emulator's report");
+    let whole = |value: &Value| {
+        value
+            .as_u64()
+            .context("not a whole number in the emulator's report")
+    };
     let report = &shown.report;
     let frame = Frame {
         scene: NAMES[scene],
         first_ms: number(&report["first_pixel_ms"])?,
         preview_ms: number(&report["frame_ms"][0])?,
         last_ms: number(&report["frame_ms"][1])?,
-        stacks: [whole(&report["stack_bytes"][0])?, whole(&report["stack_bytes"][1])?],
+        stacks: [
+            whole(&report["stack_bytes"][0])?,
+            whole(&report["stack_bytes"][1])?,
+        ],
     };
     let mut crc = Crc::new();
     crc.bytes(&shown.rgb);
@@ -269,7 +276,11 @@ fn space(text: &mut String, memory: &str, frames: &[Frame]) -> Result<()> {
     );
     let [variables, stack, room] = memory_of(memory)?;
     let free = room - variables;
-    writeln!(text, "| micro:bit, all jobs | {stack} | {free} | {} |", free - stack)?;
+    writeln!(
+        text,
+        "| micro:bit, all jobs | {stack} | {free} | {} |",
+        free - stack
+    )?;
     for frame in frames {
         for (core, deepest) in frame.stacks.iter().enumerate() {
             let margin = PICO_STACK
@@ -363,7 +374,10 @@ fn rp2040js() -> Result<String> {
     let file = shell::root().join("firmware/emulator/rp2040/package-lock.json");
     let lock: Value = serde_json::from_str(&fs::read_to_string(&file)?)?;
     let version = &lock["packages"]["node_modules/rp2040js"]["version"];
-    Ok(version.as_str().context("rp2040js is not in the lock file")?.to_owned())
+    Ok(version
+        .as_str()
+        .context("rp2040js is not in the lock file")?
+        .to_owned())
 }
 
 fn write(file: &Path, text: &str) -> Result<()> {
@@ -380,7 +394,10 @@ mod tests {
 
     #[test]
     fn reads_the_memory_line() {
-        assert_eq!(memory_of("memory variables=128 stack=5688 room=16384").unwrap(), [128, 5688, 16384]);
+        assert_eq!(
+            memory_of("memory variables=128 stack=5688 room=16384").unwrap(),
+            [128, 5688, 16384]
+        );
         assert!(memory_of("memory stack=1").is_err());
     }
 
@@ -388,8 +405,12 @@ mod tests {
     fn knows_formatting_by_its_name() {
         assert!(is_formatting("_ZN4core3fmt5write17h0123456789abcdefE"));
         assert!(is_formatting("_RNvMsa_NtCs12_4core3fmtNtB5_9Formatter3pad"));
-        assert!(is_formatting("_RNvXs_NtNtCs12_4core3fmt3num3impmNtB8_7Display3fmt"));
+        assert!(is_formatting(
+            "_RNvXs_NtNtCs12_4core3fmt3num3impmNtB8_7Display3fmt"
+        ));
         assert!(!is_formatting("_RNvNtCseold96UKqg_4core9panicking9panic_fmt"));
-        assert!(!is_formatting("_ZN8microlux6render8Renderer4tile17h2496300b2046248cE"));
+        assert!(!is_formatting(
+            "_ZN8microlux6render8Renderer4tile17h2496300b2046248cE"
+        ));
     }
 }

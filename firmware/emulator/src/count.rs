@@ -133,7 +133,9 @@ pub fn table(machines: &[Machine], runs: u32, histograms: Option<&Path>) -> Resu
     if let Some(folder) = histograms {
         fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
-    println!("machine     core       region                                entries  instructions    m0+ cycles");
+    println!(
+        "machine     core       region                                entries  instructions    m0+ cycles"
+    );
     for &machine in machines {
         let program = machine.build()?;
         let histogram = histograms.map(|folder| folder.join(format!("{}.csv", machine.name())));

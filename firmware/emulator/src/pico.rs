@@ -15,10 +15,7 @@ use firmware_common::{
     stage::{Cornell, NAMES, Pedestal, Stage},
     tile::{self, Frame, Painter, Pass},
 };
-use microlux::{
-    scene::Mesh,
-    shape::TriangleMesh,
-};
+use microlux::{scene::Mesh, shape::TriangleMesh};
 use serde_json::Value;
 
 use crate::{
@@ -102,7 +99,10 @@ pub fn run(run: &Run) -> Result<Shown> {
     };
     let program = build(run.screen, NAMES[run.goal.scene], "", &mesh)?;
     let size = size::of(&program)?;
-    println!("flash {} bytes, RAM {} bytes without core 0's stack", size.flash, size.ram);
+    println!(
+        "flash {} bytes, RAM {} bytes without core 0's stack",
+        size.flash, size.ram
+    );
     let rgb = scratch("pico.rgb")?;
     let mut emulator = emulator(&program)?;
     emulator
@@ -228,7 +228,11 @@ fn build(screen: Screen, first: &str, provoke: &str, mesh: &Path) -> Result<Path
     let build = Build {
         package: "pico",
         features,
-        environment: &[("MICROLUX_PROVOKE", provoke), ("MICROLUX_MESH", mesh), ("MICROLUX_FIRST", first)],
+        environment: &[
+            ("MICROLUX_PROVOKE", provoke),
+            ("MICROLUX_MESH", mesh),
+            ("MICROLUX_FIRST", first),
+        ],
         name: "pico",
     };
     toolchain::build(&build, "thumbv6m-none-eabi", "firmware-pico")
@@ -268,10 +272,14 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, 
     if goal.scene == 0 {
         let mut cornell = Cornell::new().map_err(refused)?;
         let (scene, camera) = cornell.scene().map_err(refused)?;
-        return Ok(painted(frame, goal.pass, &Stage {
-            scene: &scene,
-            camera,
-        }));
+        return Ok(painted(
+            frame,
+            goal.pass,
+            &Stage {
+                scene: &scene,
+                camera,
+            },
+        ));
     }
     let mesh = match baked {
         Some(baked) => Mesh {
@@ -286,10 +294,14 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, 
     };
     let mut pedestal = Pedestal::new(mesh).map_err(refused)?;
     let (scene, camera) = pedestal.scene().map_err(refused)?;
-    Ok(painted(frame, goal.pass, &Stage {
-        scene: &scene,
-        camera,
-    }))
+    Ok(painted(
+        frame,
+        goal.pass,
+        &Stage {
+            scene: &scene,
+            camera,
+        },
+    ))
 }
 
 /// The pass, and its rays.

@@ -105,12 +105,22 @@ fn stages() -> Option<Stages> {
 fn report(console: &Console, step: Step, microseconds: u64) {
     let pass = step.pass();
     #[cfg(feature = "defmt")]
-    defmt::info!("{} block {} spp {} at {} us", NAMES[step.scene()], pass.block, pass.spp, microseconds);
+    defmt::info!(
+        "{} block {} spp {} at {} us",
+        NAMES[step.scene()],
+        pass.block,
+        pass.spp,
+        microseconds
+    );
 
     for part in [b"frame scene=".as_slice(), NAMES[step.scene()].as_bytes()] {
         console.write_full_blocking(part);
     }
-    for (name, value) in [(" block=", pass.block), (" spp=", pass.spp), (" us=", microseconds as u32)] {
+    for (name, value) in [
+        (" block=", pass.block),
+        (" spp=", pass.spp),
+        (" us=", microseconds as u32),
+    ] {
         console.write_full_blocking(name.as_bytes());
         let mut digits = [0; 10];
         console.write_full_blocking(decimal(value, &mut digits));
