@@ -21,7 +21,10 @@ fn main() {
 fn write(baked: &Baked) {
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     let triples = |all: &[[u16; 3]]| -> Vec<u8> {
-        all.as_flattened().iter().flat_map(|half| half.to_le_bytes()).collect()
+        all.as_flattened()
+            .iter()
+            .flat_map(|half| half.to_le_bytes())
+            .collect()
     };
     let nodes = baked.nodes.iter().flat_map(|node| node.to_le_bytes()).collect();
     let counts = format!(

@@ -9,7 +9,9 @@ fn main() {
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rerun-if-changed={LAYOUT}");
 
-    println!("cargo:rerun-if-env-changed=MICROLUX_PROVOKE");
+    for setting in ["MICROLUX_PROVOKE", "MICROLUX_FIRST"] {
+        println!("cargo:rerun-if-env-changed={setting}");
+    }
 
     println!("cargo:rustc-link-arg-bins=--nmagic");
     println!("cargo:rustc-link-arg-bins=-Tlink.x");

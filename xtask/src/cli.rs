@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::{accuracy, ci, golden, layers, no_float, setup, shell};
+use crate::{accuracy, ci, device, golden, layers, no_float, setup, shell};
 
 /// The chores of microlux.
 #[derive(Parser)]
@@ -31,6 +31,13 @@ enum Chore {
     /// Links tests/no-float, which renders through the public API, for thumbv6m-none-eabi and reads its symbols; then
     /// links it once more with a float planted, which must be found.
     NoFloat,
+    /// Run a board's firmware in its emulator; the Pico's display becomes a PNG
+    ///
+    /// Builds the firmware, runs it with the display model on its SPI bus, and fails unless the display shows, bit for
+    /// bit, what this computer renders.
+    Device(device::Options),
+    /// Measure the firmware on each emulated core and write docs/device.md
+    BenchDevice(device::BenchOptions),
     /// Compare the golden pictures with the record
     Golden(golden::Options),
     /// Measure the picture's errors and write docs/accuracy.md
@@ -48,6 +55,8 @@ impl Xtask {
             Chore::Setup(options) => setup::run(&options),
             Chore::Layers => layers::check(&shell::root()).map(|summary| println!("{summary}")),
             Chore::NoFloat => no_float::check(&shell::root()).map(|summary| println!("{summary}")),
+            Chore::Device(options) => device::run(&options),
+            Chore::BenchDevice(options) => device::bench(&options),
             Chore::Golden(options) => golden::run(&options),
             Chore::Accuracy(options) => accuracy::run(&options),
         }

@@ -6,6 +6,7 @@
 pub mod accuracy;
 pub mod ci;
 pub mod cli;
+pub mod device;
 pub mod golden;
 pub mod layers;
 pub mod no_float;

@@ -30,7 +30,11 @@ impl Baked {
             return Err(format!("{} vertices; 65,536 can be numbered", points.len()));
         }
         let end = |axis: usize, pick: fn(f64, f64) -> f64| {
-            points.iter().map(|p| p[axis]).reduce(pick).ok_or("the mesh has no vertices")
+            points
+                .iter()
+                .map(|p| p[axis])
+                .reduce(pick)
+                .ok_or("the mesh has no vertices")
         };
         let (mut low, mut high) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
@@ -75,7 +79,9 @@ impl Baked {
 fn is_empty([a, b, c]: [[u16; 3]; 3]) -> bool {
     let to = |p: [u16; 3]| [0, 1, 2].map(|axis| i64::from(p[axis]) - i64::from(a[axis]));
     let (u, v) = (to(b), to(c));
-    [(1, 2), (2, 0), (0, 1)].iter().all(|&(i, j)| u[i] * v[j] == u[j] * v[i])
+    [(1, 2), (2, 0), (0, 1)]
+        .iter()
+        .all(|&(i, j)| u[i] * v[j] == u[j] * v[i])
 }
 
 #[cfg(test)]

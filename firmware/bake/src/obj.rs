@@ -9,7 +9,12 @@ pub fn obj(text: &str) -> Result<Baked, String> {
         let mut words = line.split_whitespace();
         match words.next() {
             Some("v") => {
-                let mut next = || words.next().and_then(|word| word.parse::<f64>().ok()).ok_or_else(wrong);
+                let mut next = || {
+                    words
+                        .next()
+                        .and_then(|word| word.parse::<f64>().ok())
+                        .ok_or_else(wrong)
+                };
                 points.push([next()?, next()?, next()?]);
             }
             Some("f") => {

@@ -55,6 +55,13 @@ pub struct Outcome {
 }
 
 impl Integrator {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Direct => "direct",
+            Self::Path => "path",
+        }
+    }
+
     pub const fn path(self) -> Path {
         match self {
             Self::Direct => Path::direct(),
@@ -79,8 +86,7 @@ impl Case {
     pub fn run(self) -> Outcome {
         let mut crc = Crc::new();
         let rays = self.scene.with(|scene, camera| {
-            let mut renderer =
-                Renderer::new(scene, camera, self.integrator.path(), self.sampler(), SETTINGS);
+            let mut renderer = Renderer::new(scene, camera, self.integrator.path(), self.sampler(), SETTINGS);
             let mut strip = [Radiance::BLACK; SETTINGS.width as usize];
             while let Some(tile) = renderer.step(&mut strip) {
                 for pixel in tile.pixels {

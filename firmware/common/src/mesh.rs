@@ -10,8 +10,10 @@ use microlux::{
 
 include!(concat!(env!("OUT_DIR"), "/counts.rs"));
 
-static VERTICES: [[u16; 3]; VERTEX_COUNT] = triples(include_bytes!(concat!(env!("OUT_DIR"), "/vertices.bin")));
-static TRIANGLES: [[u16; 3]; TRIANGLE_COUNT] = triples(include_bytes!(concat!(env!("OUT_DIR"), "/triangles.bin")));
+static VERTICES: [[u16; 3]; VERTEX_COUNT] =
+    triples(include_bytes!(concat!(env!("OUT_DIR"), "/vertices.bin")));
+static TRIANGLES: [[u16; 3]; TRIANGLE_COUNT] =
+    triples(include_bytes!(concat!(env!("OUT_DIR"), "/triangles.bin")));
 static NODES: [Node; NODE_COUNT] = nodes(include_bytes!(concat!(env!("OUT_DIR"), "/nodes.bin")));
 
 /// 2 m: 65,536 steps of two units, from (-1, 0, -1) m.

@@ -65,7 +65,11 @@ impl Frame {
     fn camera(self, camera: Camera) -> Camera {
         let shorter = self.width.min(self.height);
         let wider = camera.half_width().to_bits() * self.width as i32 / shorter as i32;
-        Camera::from_frame(camera.origin(), camera.frame(), fixed::types::I12F20::from_bits(wider))
+        Camera::from_frame(
+            camera.origin(),
+            camera.frame(),
+            fixed::types::I12F20::from_bits(wider),
+        )
     }
 }
 
@@ -131,7 +135,11 @@ impl<'s> Painter<'s> {
         let columns = SIDE / block;
         for (place, color) in (0..).zip(tile.colors::<Rgb565>(&DISPLAY)) {
             let (x, y) = (place % columns * block, place / columns * block);
-            for row in pixels.chunks_exact_mut(SIDE as usize).skip(y as usize).take(block as usize) {
+            for row in pixels
+                .chunks_exact_mut(SIDE as usize)
+                .skip(y as usize)
+                .take(block as usize)
+            {
                 for pixel in row.iter_mut().skip(x as usize).take(block as usize) {
                     *pixel = color.into_storage();
                 }
@@ -172,14 +180,20 @@ mod tests {
     fn passes_show_the_same() {
         let mut cornell = Cornell::new().unwrap();
         let (scene, camera) = cornell.scene().unwrap();
-        let stage = Stage { scene: &scene, camera };
+        let stage = Stage {
+            scene: &scene,
+            camera,
+        };
         for pass in &PASSES[..3] {
             let mut painter = Painter::new(&stage, SQUARE, *pass);
             let mut pixels = [0; PIXELS];
             let mut mean = |index| {
                 painter.render(index, &mut pixels);
                 let sum = |mask: u16, shift: u32| -> u32 {
-                    pixels.iter().map(|&pixel| u32::from((pixel & mask) >> shift)).sum()
+                    pixels
+                        .iter()
+                        .map(|&pixel| u32::from((pixel & mask) >> shift))
+                        .sum()
                 };
                 (sum(0xf800, 11), sum(0x07e0, 6))
             };
@@ -193,7 +207,14 @@ mod tests {
     fn a_block_has_one_colour() {
         let mut cornell = Cornell::new().unwrap();
         let (scene, camera) = cornell.scene().unwrap();
-        let mut painter = Painter::new(&Stage { scene: &scene, camera }, WIDE, PASSES[0]);
+        let mut painter = Painter::new(
+            &Stage {
+                scene: &scene,
+                camera,
+            },
+            WIDE,
+            PASSES[0],
+        );
         let mut pixels = [0; PIXELS];
         painter.render(150, &mut pixels);
         for (place, pixel) in pixels.iter().enumerate() {

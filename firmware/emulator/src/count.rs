@@ -112,6 +112,19 @@ fn parse(report: &str) -> Result<Counts> {
     })
 }
 
+/// Counts one program `runs` times; all must agree.
+pub fn agreed(machine: Machine, program: &Path, plugin: &Path, runs: u32) -> Result<Counts> {
+    let counts = run(machine, program, plugin, None)?;
+    for _ in 1..runs {
+        ensure!(
+            run(machine, program, plugin, None)? == counts,
+            "{}: two runs differ",
+            machine.name()
+        );
+    }
+    Ok(counts)
+}
+
 /// Counts the jobs on `machines`, each `runs` times, which must agree, and prints a table.
 ///
 /// `histograms` is a folder, made if need be, for a CSV of each machine.
@@ -120,7 +133,9 @@ pub fn table(machines: &[Machine], runs: u32, histograms: Option<&Path>) -> Resu
     if let Some(folder) = histograms {
         fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
     }
-    println!("machine     core       region           entries  instructions    m0+ cycles");
+    println!(
+        "machine     core       region                                entries  instructions    m0+ cycles"
+    );
     for &machine in machines {
         let program = machine.build()?;
         let histogram = histograms.map(|folder| folder.join(format!("{}.csv", machine.name())));
@@ -141,7 +156,7 @@ pub fn table(machines: &[Machine], runs: u32, histograms: Option<&Path>) -> Resu
                 "-".to_owned()
             };
             println!(
-                "{:<11} {:<10} {name:<16} {:>7}  {:>12}  {cycles:>12}",
+                "{:<11} {:<10} {name:<37} {:>7}  {:>12}  {cycles:>12}",
                 machine.name(),
                 machine.core(),
                 spent.entries,

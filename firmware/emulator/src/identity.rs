@@ -1,8 +1,9 @@
 //! Do all machines print the same?
 
-use std::{fmt::Write as _, time::Instant};
+use std::{fmt::Write as _, fs, time::Instant};
 
-use anyhow::{Result, bail};
+use anyhow::{Context, Result, bail};
+use xtask::shell;
 
 use crate::machine::Machine;
 
@@ -28,11 +29,19 @@ pub fn check(machines: &[Machine]) -> Result<()> {
     }
     let (table, differing) = compare(&columns);
     print!("{table}");
+    if let Some((_, lines)) = columns.first() {
+        let path = shell::root().join("tests/golden.txt");
+        let record = fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+        let missing = missing(&record, lines);
+        if !missing.is_empty() {
+            bail!("not as in tests/golden.txt: {}", missing.join(", "));
+        }
+    }
     if differing > 0 {
         bail!("{differing} jobs differ between the machines");
     }
     println!(
-        "{} jobs are equal on {} machines",
+        "{} jobs are equal on {} machines, the pictures as in tests/golden.txt",
         columns.first().map_or(0, |c| c.1.len()),
         columns.len()
     );
@@ -46,6 +55,14 @@ fn parse(line: &str) -> Result<Line> {
         Some((name, crc)) if crc.len() == 8 => Ok((name.to_owned(), crc.to_owned())),
         _ => bail!("not a job's line: {line:?}"),
     }
+}
+
+/// The pictures of the record that no line has.
+fn missing(record: &str, lines: &[Line]) -> Vec<String> {
+    let rows = record.lines().filter(|row| !row.starts_with('#'));
+    rows.map(|row| row.split_whitespace().collect::<Vec<_>>().join("-"))
+        .filter(|row| !lines.iter().any(|(name, crc)| format!("{name}-{crc}") == *row))
+        .collect()
 }
 
 /// The table, and the number of rows that are not equal in every column.
@@ -90,6 +107,13 @@ mod tests {
         let (table, differing) = compare(&[(Machine::Host, good), (Machine::Virt, other)]);
         assert_eq!(differing, 2);
         assert!(table.contains("00000003  differs  virt") && table.contains("(missing)"));
+    }
+
+    #[test]
+    fn tells_a_picture_that_is_not_the_record() {
+        let record = "# head\nbox direct sobol 1 0000000a\nbox path sobol 1 0000000b\n";
+        let ours = lines("box-direct-sobol-1 crc32=0000000a\nbox-path-sobol-1 crc32=0000000c");
+        assert_eq!(missing(record, &ours), ["box-path-sobol-1-0000000b"]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Runs firmware without a board: builds it, starts the emulator, reads what it prints, compares and counts.
 
+pub mod bench;
 pub mod count;
 pub mod identity;
 pub mod machine;

@@ -1,14 +1,18 @@
-//! `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
-use anyhow::Result;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use anyhow::{Context, Result};
+use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use emulator::{
-    count, identity,
+    bench, count, identity,
     machine::Machine,
     pico::{self, Screen},
     size,
+};
+use firmware_common::{
+    stage::NAMES,
+    tile::{PASSES, Pass},
 };
 
 /// Runs the firmware without a board
@@ -40,6 +44,18 @@ enum Command {
         #[arg(long)]
         histograms: Option<PathBuf>,
     },
+    /// Measures what pictures cost on each core, and the Pico's display, memory and stacks
+    Bench {
+        /// File for the rows: core, scene, instructions, m0plus_cycles, pixels, crc
+        #[arg(long)]
+        json: Option<PathBuf>,
+        /// File for the tables, with date, commit and versions
+        #[arg(long)]
+        record: Option<PathBuf>,
+        /// Number of runs that must agree
+        #[arg(long, default_value_t = 2)]
+        runs: u32,
+    },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
     /// Makes the Pico's firmware fail on purpose and checks what it shows
@@ -60,8 +76,17 @@ struct Run {
     /// The Pico's display
     #[arg(long, default_value = "240x240")]
     screen: Screen,
+    /// What the Pico draws before its run ends: cornell or mesh
+    #[arg(long, default_value = NAMES[0], value_parser = PossibleValuesParser::new(NAMES))]
+    scene: String,
+    /// Samples a pixel in the pass after which the run ends, 1 to 16 by powers of two; 0 for the preview
+    #[arg(long, default_value_t = 1)]
+    spp: u32,
+    /// OBJ file to bake in instead of the torus knot; the scene is then `mesh`
+    #[arg(long)]
+    mesh: Option<PathBuf>,
     /// Emulated seconds after which the Pico counts as hung
-    #[arg(long, default_value_t = 60)]
+    #[arg(long, default_value_t = 600)]
     seconds: u32,
     /// No progress
     #[arg(long)]
@@ -85,18 +110,46 @@ fn run(options: &Run) -> Result<()> {
     match options.board {
         Board::Pico => pico::run(&pico::Run {
             screen: options.screen,
+            goal: goal(options)?,
+            mesh: options.mesh.as_deref(),
             png: options.png.as_deref(),
             json: options.json.as_deref(),
             seconds: options.seconds,
             quiet: options.quiet,
-        }),
+        })
+        .map(|_| ()),
         Board::Machine(machine) => identity::check(&[Machine::Host, machine]),
     }
+}
+
+fn goal(options: &Run) -> Result<pico::Goal> {
+    let is_asked = |pass: &Pass| {
+        if options.spp == 0 {
+            pass.block > 1
+        } else {
+            pass.block == 1 && pass.spp == options.spp
+        }
+    };
+    let scene = NAMES
+        .iter()
+        .position(|name| *name == options.scene || (options.mesh.is_some() && *name == "mesh"));
+    Ok(pico::Goal {
+        scene: scene.context("no such scene")?,
+        pass: PASSES
+            .into_iter()
+            .find(is_asked)
+            .with_context(|| format!("no pass has {} samples a pixel", options.spp))?,
+    })
 }
 
 fn execute(command: Command) -> Result<()> {
     match command {
         Command::Run(options) => run(&options),
+        Command::Bench { json, record, runs } => bench::run(&bench::Options {
+            runs,
+            json: json.as_deref(),
+            record: record.as_deref(),
+        }),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

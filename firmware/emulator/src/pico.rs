@@ -9,10 +9,17 @@ use std::{
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
-use firmware_common::tile::{self, Frame};
+use firmware_bake::Baked;
+use firmware_common::{
+    mesh,
+    stage::{Cornell, NAMES, Pedestal, Stage},
+    tile::{self, Frame, Painter, Pass},
+};
+use microlux::{scene::Mesh, shape::TriangleMesh};
+use serde_json::Value;
 
 use crate::{
-    process,
+    process, size,
     toolchain::{self, Build},
 };
 
@@ -44,9 +51,27 @@ impl Screen {
     }
 }
 
+/// What the firmware draws: a scene by its place in [`NAMES`], and the pass of [`tile::PASSES`] to wait for.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    pub scene: usize,
+    pub pass: Pass,
+}
+
+impl Goal {
+    /// The line that the firmware prints when it is there.
+    fn line(self) -> String {
+        let Pass { block, spp } = self.pass;
+        format!("frame scene={} block={block} spp={spp} ", NAMES[self.scene])
+    }
+}
+
 /// A run of the Pico's firmware.
 pub struct Run<'a> {
     pub screen: Screen,
+    pub goal: Goal,
+    /// OBJ file to bake in instead of the torus knot.
+    pub mesh: Option<&'a Path>,
     /// Receives what the display shows.
     pub png: Option<&'a Path>,
     /// Receives times, cycles, stacks and faults.
@@ -56,21 +81,39 @@ pub struct Run<'a> {
     pub quiet: bool,
 }
 
-/// Draws one picture and compares what the display shows with what this computer renders.
-pub fn run(run: &Run) -> Result<()> {
-    let program = build(run.screen, "")?;
+/// What a run came to.
+pub struct Shown {
+    /// Red, green, blue of each pixel, as the display shows it.
+    pub rgb: Vec<u8>,
+    /// Times, cycles, stacks and faults, as `emulator/rp2040/run.mjs` writes them.
+    pub report: Value,
+    /// Rays that this computer asked of the scene for the same pass.
+    pub rays: u32,
+}
+
+/// Draws up to the goal and compares what the display shows with what this computer renders.
+pub fn run(run: &Run) -> Result<Shown> {
+    let mesh = match run.mesh {
+        Some(file) => fs::canonicalize(file).with_context(|| file.display().to_string())?,
+        None => PathBuf::new(),
+    };
+    let program = build(run.screen, NAMES[run.goal.scene], "", &mesh)?;
+    let size = size::of(&program)?;
+    println!(
+        "flash {} bytes, RAM {} bytes without core 0's stack",
+        size.flash, size.ram
+    );
     let rgb = scratch("pico.rgb")?;
     let mut emulator = emulator(&program)?;
     emulator
-        .args(["--size", run.screen.size(), "--until", "frame", "--rgb"])
+        .args(["--size", run.screen.size(), "--until", &run.goal.line(), "--rgb"])
         .arg(&rgb);
     emulator.args(["--seconds", &run.seconds.to_string()]);
     if let Some(file) = run.png {
         emulator.arg("--png").arg(file);
     }
-    if let Some(file) = run.json {
-        emulator.arg("--json").arg(file);
-    }
+    let json = scratch("pico.json")?;
+    emulator.arg("--json").arg(&json);
     if run.quiet {
         emulator.arg("--quiet");
     }
@@ -81,13 +124,41 @@ pub fn run(run: &Run) -> Result<()> {
         finished.status,
         finished.stdout
     );
+    print!("{}", finished.stdout);
     let shown = fs::read(&rgb).with_context(|| rgb.display().to_string())?;
-    let expected = colours(run.screen.frame());
+    let baked = match run.mesh {
+        Some(file) => Some(bake(file)?),
+        None => None,
+    };
+    let (expected, rays) = colours(run.screen.frame(), run.goal, baked.as_ref())?;
     if let Some((x, y)) = first_difference(&shown, &expected, run.screen.frame().width())? {
         bail!("the display differs from this computer's picture at ({x}, {y}) first");
     }
     println!("the display shows what this computer renders, bit for bit");
-    Ok(())
+    let report = fs::read_to_string(&json).with_context(|| json.display().to_string())?;
+    if let Some(file) = run.json {
+        fs::write(file, &report).with_context(|| file.display().to_string())?;
+    }
+    Ok(Shown {
+        rgb: shown,
+        report: serde_json::from_str(&report)?,
+        rays,
+    })
+}
+
+fn bake(file: &Path) -> Result<Baked> {
+    let name = || file.display().to_string();
+    let text = fs::read_to_string(file).with_context(name)?;
+    let baked = firmware_bake::obj(&text)
+        .map_err(anyhow::Error::msg)
+        .with_context(name)?;
+    println!(
+        "{}: {} triangles, {} bytes",
+        name(),
+        baked.triangles.len(),
+        baked.bytes()
+    );
+    Ok(baked)
 }
 
 /// Makes the firmware fail on purpose in each way, and checks the line and the colour it ends with.
@@ -105,7 +176,7 @@ pub fn faults() -> Result<()> {
         ("hang", "stopped: watchdog", YELLOW),
     ];
     for (fault, line, colour) in cases {
-        let program = build(Screen::Square, fault)?;
+        let program = build(Screen::Square, NAMES[0], fault, Path::new(""))?;
         let rgb = scratch("fault.rgb")?;
         let mut emulator = emulator(&program)?;
         emulator
@@ -149,13 +220,19 @@ pub fn bare(program: &Path) -> Result<Command> {
     Ok(emulator)
 }
 
-/// Builds the firmware; `provoke` names a fault that it then has.
-fn build(screen: Screen, provoke: &str) -> Result<PathBuf> {
+/// Builds the firmware, which begins with the scene `first`; `provoke` names a fault that it then has, `mesh` an OBJ
+/// file, unless they are empty.
+fn build(screen: Screen, first: &str, provoke: &str, mesh: &Path) -> Result<PathBuf> {
+    let mesh = mesh.to_str().context("the mesh file's name is not UTF-8")?;
     let features: &[_] = if screen == Screen::Wide { &["wide"] } else { &[] };
     let build = Build {
         package: "pico",
         features,
-        environment: &[("MICROLUX_PROVOKE", provoke)],
+        environment: &[
+            ("MICROLUX_PROVOKE", provoke),
+            ("MICROLUX_MESH", mesh),
+            ("MICROLUX_FIRST", first),
+        ],
         name: "pico",
     };
     toolchain::build(&build, "thumbv6m-none-eabi", "firmware-pico")
@@ -189,13 +266,52 @@ fn scratch(name: &str) -> Result<PathBuf> {
     }
 }
 
-/// The frame as the panel shows it: 8 bits a channel, the highest bits repeated below.
-fn colours(frame: Frame) -> Vec<u8> {
+/// The goal as the panel shows it: 8 bits a channel, the highest bits repeated below.
+fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, u32)> {
+    let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
+    if goal.scene == 0 {
+        let mut cornell = Cornell::new().map_err(refused)?;
+        let (scene, camera) = cornell.scene().map_err(refused)?;
+        return Ok(painted(
+            frame,
+            goal.pass,
+            &Stage {
+                scene: &scene,
+                camera,
+            },
+        ));
+    }
+    let mesh = match baked {
+        Some(baked) => Mesh {
+            triangles: TriangleMesh {
+                grid: mesh::grid(),
+                vertices: &baked.vertices,
+                triangles: &baked.triangles,
+            },
+            nodes: &baked.nodes,
+        },
+        None => mesh::mesh(),
+    };
+    let mut pedestal = Pedestal::new(mesh).map_err(refused)?;
+    let (scene, camera) = pedestal.scene().map_err(refused)?;
+    Ok(painted(
+        frame,
+        goal.pass,
+        &Stage {
+            scene: &scene,
+            camera,
+        },
+    ))
+}
+
+/// The pass, and its rays.
+fn painted(frame: Frame, pass: Pass, stage: &Stage) -> (Vec<u8>, u32) {
+    let mut painter = Painter::new(stage, frame, pass);
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let mut colours = vec![0; 3 * width * height];
     let mut pixels = [0; tile::PIXELS];
     for index in 0..frame.tiles() {
-        frame.render(index, &mut pixels);
+        painter.render(index, &mut pixels);
         let (left, top) = frame.origin(index);
         for (place, &pixel) in (0..).zip(&pixels) {
             let x = (left + place % tile::SIDE) as usize;
@@ -209,7 +325,7 @@ fn colours(frame: Frame) -> Vec<u8> {
             colours[3 * (y * width + x)..][..3].copy_from_slice(&wide.map(|channel| channel as u8));
         }
     }
-    colours
+    (colours, painter.rays())
 }
 
 /// Where two pictures of equal size differ first.
@@ -233,7 +349,11 @@ mod tests {
 
     #[test]
     fn finds_the_first_difference() {
-        let expected = colours(tile::SQUARE);
+        let goal = Goal {
+            scene: 1,
+            pass: tile::PASSES[0],
+        };
+        let (expected, _) = colours(tile::SQUARE, goal, None).unwrap();
         let mut shown = expected.clone();
         assert_eq!(first_difference(&shown, &expected, 240).unwrap(), None);
         shown[3 * (5 * 240 + 7) + 1] ^= 1;

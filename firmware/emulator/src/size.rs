@@ -1,20 +1,24 @@
 //! Flash and RAM that each board's program takes.
 
-use std::{fs, path::Path};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, SectionFlags, elf};
 
 use crate::toolchain::{self, Build};
 
-struct Board {
-    name: &'static str,
+/// A board's own firmware; the micro:bit's is the jobs.
+pub struct Board {
+    pub name: &'static str,
     package: &'static str,
     program: &'static str,
     target: &'static str,
 }
 
-const BOARDS: [Board; 4] = [
+pub const BOARDS: [Board; 4] = [
     Board {
         name: "microbit",
         package: "qemu",
@@ -52,17 +56,24 @@ pub struct Size {
 pub fn table() -> Result<()> {
     println!("board      flash bytes   ram bytes");
     for board in &BOARDS {
-        let build = Build {
-            package: board.package,
-            features: &[],
-            environment: &[("MACHINE", board.name), ("MICROLUX_PROVOKE", "")],
-            name: board.name,
-        };
-        let program = toolchain::build(&build, board.target, board.program)?;
-        let size = of(&program)?;
+        let size = of(&board.build()?)?;
         println!("{:<9} {:>12} {:>11}", board.name, size.flash, size.ram);
     }
     Ok(())
+}
+
+impl Board {
+    /// Builds it as it is flashed.
+    pub fn build(&self) -> Result<PathBuf> {
+        let environment = ["MICROLUX_PROVOKE", "MICROLUX_MESH", "MICROLUX_FIRST"].map(|name| (name, ""));
+        let build = Build {
+            package: self.package,
+            features: &[],
+            environment: &[&environment[..], &[("MACHINE", self.name)]].concat(),
+            name: self.name,
+        };
+        toolchain::build(&build, self.target, self.program)
+    }
 }
 
 /// Adds up the sections of an ELF file: those with contents lie in flash, those that can be written in RAM.

@@ -36,7 +36,10 @@ use esp_hal::{
     },
     time::Rate,
 };
-use firmware_common::tile;
+use firmware_common::{
+    stage::{Cornell, Stage},
+    tile::{self, PASSES, Painter},
+};
 use mipidsi::{Builder, Display, interface::SpiInterface, models::ST7789, options::ColorInversion};
 
 type Device = ExclusiveDevice<Spi<'static, Blocking>, Output<'static>, embedded_hal_bus::spi::NoDelay>;
@@ -71,19 +74,30 @@ fn main() -> ! {
     }
 }
 
-/// Renders and sends each tile in turn.
+/// Draws the Cornell box in ever better passes: renders and sends each tile in turn.
 fn draw(screen: &mut Screen) {
+    let Ok(mut cornell) = Cornell::new() else { fail() };
+    let Ok((scene, camera)) = cornell.scene() else {
+        fail()
+    };
+    let stage = Stage {
+        scene: &scene,
+        camera,
+    };
     let mut pixels = [0; tile::PIXELS];
-    for index in 0..tile::SQUARE.tiles() {
-        tile::SQUARE.render(index, &mut pixels);
-        let (left, top) = tile::SQUARE.origin(index);
-        let area = Rectangle::new(
-            Point::new(left as i32, top as i32),
-            Size::new(tile::SIDE, tile::SIDE),
-        );
-        let colours = pixels.iter().map(|&pixel| Rgb565::from(RawU16::new(pixel)));
-        if screen.fill_contiguous(&area, colours).is_err() {
-            fail();
+    for pass in PASSES {
+        let mut painter = Painter::new(&stage, tile::SQUARE, pass);
+        for index in 0..tile::SQUARE.tiles() {
+            painter.render(index, &mut pixels);
+            let (left, top) = tile::SQUARE.origin(index);
+            let area = Rectangle::new(
+                Point::new(left as i32, top as i32),
+                Size::new(tile::SIDE, tile::SIDE),
+            );
+            let colours = pixels.iter().map(|&pixel| Rgb565::from(RawU16::new(pixel)));
+            if screen.fill_contiguous(&area, colours).is_err() {
+                fail();
+            }
         }
     }
 }

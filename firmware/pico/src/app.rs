@@ -1,6 +1,12 @@
-//! What the firmware does, on either chip: both cores draw the picture, once.
+//! What the firmware does, on either chip: both cores draw each scene in ever better passes, and then the next scene.
 
-use firmware_common::tile::{self, Frame};
+use cortex_m::singleton;
+use firmware_common::{
+    mesh,
+    stage::{Cornell, NAMES, Pedestal, Stage},
+    tile::{self, Frame},
+};
+use microlux::scene::Scene;
 
 use crate::{
     board::{self, Board, Console},
@@ -11,7 +17,8 @@ use crate::{
         multicore::{Multicore, Stack},
         pac,
     },
-    provoke, work,
+    provoke,
+    work::{self, Stages, Step},
 };
 
 /// The display.
@@ -21,7 +28,7 @@ pub const FRAME: Frame = if cfg!(feature = "wide") {
     tile::SQUARE
 };
 
-/// Longest time between two tiles of core 0.
+/// Longest time between two tiles of core 0; what core 1 still does at the end of a pass counts too.
 const HANG: MicrosDurationU32 = MicrosDurationU32::millis(8_000);
 
 /// 16 KiB, as many as core 0 has.
@@ -46,42 +53,92 @@ pub fn run() -> ! {
     watchdog.start(HANG);
 
     work::share(screen);
+    let Some(stages) = stages() else {
+        fault::stop(Cause::Scene)
+    };
     let (mut power, mut bus, mut fifo) = core_1;
     let mut cores = Multicore::new(&mut power, &mut bus, &mut fifo);
     let (Some(stack), [_, core_1]) = (CORE_1_STACK.take(), cores.cores()) else {
         fault::stop(Cause::Fault)
     };
     if core_1
-        .spawn(stack, || work::draw(|| provoke::on_core(1)))
+        .spawn(stack, move || {
+            for step in work::steps() {
+                work::draw(&stages, step, || provoke::on_core(1));
+                work::wait(step);
+            }
+        })
         .is_err()
     {
         fault::stop(Cause::Fault);
     }
-    work::draw(|| {
-        watchdog.feed();
-        provoke::on_core(0);
-    });
-    while !work::is_complete() {}
-
-    report(&console, timer.get_counter().ticks());
-    loop {
-        watchdog.feed();
-        cortex_m::asm::delay(1_000_000);
+    for step in work::steps() {
+        work::draw(&stages, step, || {
+            watchdog.feed();
+            provoke::on_core(0);
+        });
+        work::finish();
+        report(&console, step, timer.get_counter().ticks());
+        work::advance();
     }
+    fault::stop(Cause::Fault)
 }
 
-/// Prints when the picture was complete, in microseconds since the start.
-fn report(console: &Console, microseconds: u64) {
-    #[cfg(feature = "defmt")]
-    defmt::info!("frame complete at {} us", microseconds);
+/// The scenes in variables of their own, which both cores read.
+fn stages() -> Option<Stages> {
+    let cornell = singleton!(: Option<Cornell> = None)?.insert(Cornell::new().ok()?);
+    let pedestal = singleton!(: Option<Pedestal> = None)?.insert(Pedestal::new(mesh::mesh()).ok()?);
+    let (box_, camera) = cornell.scene().ok()?;
+    let cornell = Stage {
+        scene: singleton!(: Option<Scene> = None)?.insert(box_),
+        camera,
+    };
+    let (pedestal, camera) = pedestal.scene().ok()?;
+    let mesh = Stage {
+        scene: singleton!(: Option<Scene> = None)?.insert(pedestal),
+        camera,
+    };
+    Some([cornell, mesh])
+}
 
-    let mut digits = [b'0'; 10];
-    let mut rest = microseconds as u32;
-    for digit in digits.iter_mut().rev() {
-        *digit += (rest % 10) as u8;
-        rest /= 10;
-    }
-    for part in [b"frame us=".as_slice(), &digits, b"\n"] {
+/// Prints what was completed, and when, in microseconds since the start.
+fn report(console: &Console, step: Step, microseconds: u64) {
+    let pass = step.pass();
+    #[cfg(feature = "defmt")]
+    defmt::info!(
+        "{} block {} spp {} at {} us",
+        NAMES[step.scene()],
+        pass.block,
+        pass.spp,
+        microseconds
+    );
+
+    for part in [b"frame scene=".as_slice(), NAMES[step.scene()].as_bytes()] {
         console.write_full_blocking(part);
     }
+    for (name, value) in [
+        (" block=", pass.block),
+        (" spp=", pass.spp),
+        (" us=", microseconds as u32),
+    ] {
+        console.write_full_blocking(name.as_bytes());
+        let mut digits = [0; 10];
+        console.write_full_blocking(decimal(value, &mut digits));
+    }
+    console.write_full_blocking(b"\n");
+}
+
+/// `value` in digits, without `core`'s formatting, which would be in the program for this alone.
+fn decimal(value: u32, digits: &mut [u8; 10]) -> &[u8] {
+    let mut rest = value;
+    let mut first = digits.len();
+    for (place, digit) in digits.iter_mut().enumerate().rev() {
+        *digit = b'0' + (rest % 10) as u8;
+        rest /= 10;
+        first = place;
+        if rest == 0 {
+            break;
+        }
+    }
+    digits.get(first..).unwrap_or(&[])
 }

@@ -5,6 +5,7 @@
 //! | panic | red | 2 blinks, pause |
 //! | fault, as of a stack overflow or a wild address | magenta | 3 blinks, pause |
 //! | the display does not start | as it was | 4 blinks, pause |
+//! | a scene is refused: the firmware was built wrong | cyan | 6 blinks, pause |
 //! | restarted by the watchdog: a core hung or locked up | yellow | 5 blinks, pause |
 //!
 //! Nothing that was running is trusted: the other core is stopped, and the registers are used directly.
@@ -19,6 +20,7 @@ pub enum Cause {
     Fault,
     Display,
     Watchdog,
+    Scene,
 }
 
 impl Cause {
@@ -29,6 +31,7 @@ impl Cause {
             Self::Fault => Some(0xf81f),
             Self::Display => None,
             Self::Watchdog => Some(0xffe0),
+            Self::Scene => Some(0x07ff),
         }
     }
 
@@ -38,6 +41,7 @@ impl Cause {
             Self::Fault => 3,
             Self::Display => 4,
             Self::Watchdog => 5,
+            Self::Scene => 6,
         }
     }
 
@@ -47,6 +51,7 @@ impl Cause {
             Self::Fault => b"stopped: fault\n",
             Self::Display => b"stopped: display\n",
             Self::Watchdog => b"stopped: watchdog\n",
+            Self::Scene => b"stopped: scene\n",
         }
     }
 }

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use super::summary;
 use crate::setup::Part;
 use crate::toolchain::Embedded;
-use crate::{layers, no_float, shell};
+use crate::{device, layers, no_float, shell};
 
 /// One check.
 pub struct Step {
@@ -17,8 +17,8 @@ pub struct Step {
     pub run: fn() -> Result<String>,
 }
 
-/// All of them, in their order. Firmware in emulators has its lines at the end of this table.
-pub const STEPS: [Step; 7] = [
+/// All of them, in their order.
+pub const STEPS: [Step; 8] = [
     Step {
         name: "fmt",
         about: "the text is as rustfmt leaves it",
@@ -60,6 +60,12 @@ pub const STEPS: [Step; 7] = [
         about: "the documentation builds, every link leads somewhere",
         needs: &[Part::Host],
         run: doc,
+    },
+    Step {
+        name: "firmware",
+        about: "every board's program fits; nine machines give one picture; the Pico's display and its faults",
+        needs: &[Part::Host, Part::Targets, Part::Qemu, Part::Node],
+        run: device::check,
     },
 ];
 

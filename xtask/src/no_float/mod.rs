@@ -3,7 +3,7 @@
 //! Clippy bans the float types in the core's text (`ci`, step `clippy`). Here `tests/no-float`, which calls the public
 //! renderer, is linked for the Cortex-M0+: that core has no float instruction, so any float shows as a routine's name.
 
-mod symbols;
+pub mod symbols;
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -1,0 +1,242 @@
+//! Firmware without a board: runs `firmware/emulator`, which builds, emulates, compares and counts.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf, absolute};
+
+use anyhow::{Context, Result, bail, ensure};
+use clap::{Args, ValueEnum};
+
+use crate::setup::Part;
+use crate::shell;
+use crate::toolchain::Embedded;
+
+#[derive(Args)]
+pub struct Options {
+    /// Which board; pico draws on its display, the others run the jobs of `firmware/common`
+    #[arg(long, value_enum, default_value_t = Board::Pico)]
+    board: Board,
+    /// File for what the Pico's display shows [default: target/pico.png]
+    #[arg(long)]
+    png: Option<PathBuf>,
+    /// File for the Pico's times, cycles, stacks and faults
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// The Pico's display
+    #[arg(long, default_value = "240x240", value_parser = ["240x240", "320x240"])]
+    screen: String,
+    /// What the Pico draws
+    #[arg(long, default_value = "cornell", value_parser = ["cornell", "mesh"])]
+    scene: String,
+    /// Samples a pixel after which to stop, 1 to 16 by powers of two; 0 for the preview
+    #[arg(long, default_value_t = 1)]
+    spp: u32,
+    /// OBJ file for the mesh's place in the flash
+    #[arg(long)]
+    mesh: Option<PathBuf>,
+    /// No progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Board {
+    /// Raspberry Pi Pico: RP2040, two Cortex-M0+, an ST7789 on its SPI bus
+    Pico,
+    /// Raspberry Pi Pico 2: RP2350, two Cortex-M33; built only, no emulator runs it here
+    Pico2,
+    /// ESP32-C3: RV32IMC; built only, no emulator runs it here
+    Esp32c3,
+    /// BBC micro:bit: Cortex-M0, 16 KiB of RAM
+    Microbit,
+    /// The RP2040's processor alone
+    Rp2040,
+    /// Cortex-M3
+    Mps2An385,
+    /// Cortex-M4F
+    Mps2An386,
+    /// Cortex-M7
+    Mps2An500,
+    /// Cortex-M33
+    Mps2An505,
+    /// RV32IMC
+    Virt,
+}
+
+impl Board {
+    /// As the emulator names it.
+    fn name(self) -> String {
+        self.to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned())
+    }
+
+    const fn target(self) -> &'static str {
+        match self {
+            Board::Pico | Board::Microbit | Board::Rp2040 => "thumbv6m-none-eabi",
+            Board::Mps2An385 => "thumbv7m-none-eabi",
+            Board::Mps2An386 | Board::Mps2An500 => "thumbv7em-none-eabihf",
+            Board::Pico2 | Board::Mps2An505 => "thumbv8m.main-none-eabihf",
+            Board::Esp32c3 | Board::Virt => "riscv32imc-unknown-none-elf",
+        }
+    }
+
+    const fn part(self) -> Option<Part> {
+        match self {
+            Board::Pico | Board::Rp2040 => Some(Part::Node),
+            Board::Pico2 | Board::Esp32c3 => None,
+            _ => Some(Part::Qemu),
+        }
+    }
+}
+
+/// Runs one board's firmware.
+pub fn run(options: &Options) -> Result<()> {
+    let board = options.board;
+    Embedded::find(board.target())?;
+    let Some(part) = board.part() else {
+        emulate(&["size"])?;
+        bail!(
+            "{}: it is built and fits, but no emulator here runs it",
+            board.name()
+        );
+    };
+    require(part)?;
+    if board != Board::Pico {
+        return emulate(&["run", "--board", &board.name()]);
+    }
+    let png = match &options.png {
+        Some(file) => file.clone(),
+        None => shell::target_dir().join("pico.png"),
+    };
+    let mut words: Vec<OsString> = vec!["run".into(), "--png".into(), whole(&png)?.into()];
+    for (name, value) in [("--screen", &options.screen), ("--scene", &options.scene)] {
+        words.extend([name.into(), value.into()]);
+    }
+    words.extend(["--spp".into(), options.spp.to_string().into()]);
+    for (name, file) in [("--json", &options.json), ("--mesh", &options.mesh)] {
+        if let Some(file) = file {
+            words.extend([name.into(), whole(file)?.into()]);
+        }
+    }
+    if options.quiet {
+        words.push("--quiet".into());
+    }
+    emulate(&words)?;
+    println!("what the display shows: {}", png.display());
+    Ok(())
+}
+
+#[derive(Args)]
+pub struct BenchOptions {
+    /// File for the rows: core, scene, instructions, m0plus_cycles, pixels, crc
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// The record
+    #[arg(long, default_value = "docs/device.md")]
+    record: PathBuf,
+}
+
+/// Measures what pictures cost on each core and writes the record.
+pub fn bench(options: &BenchOptions) -> Result<()> {
+    for part in [Part::Qemu, Part::Node] {
+        require(part)?;
+    }
+    let record = shell::root().join(&options.record);
+    let mut words: Vec<OsString> = vec!["bench".into(), "--record".into(), record.into()];
+    if let Some(file) = &options.json {
+        words.extend(["--json".into(), whole(file)?.into()]);
+    }
+    emulate(&words)
+}
+
+/// The step of `cargo xtask ci`.
+pub fn check() -> Result<String> {
+    for part in [Part::Qemu, Part::Node] {
+        require(part)?;
+    }
+    for package in ["bake", "common", "emulator"] {
+        let manifest = format!("firmware/{package}/Cargo.toml");
+        let mut test = shell::cargo("test");
+        test.args([
+            "--release",
+            "--quiet",
+            "--locked",
+            "--manifest-path",
+            &manifest,
+            "--target-dir",
+        ]);
+        shell::run(test.arg(shell::target_dir()))?;
+    }
+    emulate(&["size"])?;
+    emulate(&["identity"])?;
+    emulate(&["run", "--quiet"])?;
+    emulate(&["faults"])?;
+    Ok(
+        "nine machines agree, the Pico's display shows this computer's picture, every fault is caught"
+            .to_string(),
+    )
+}
+
+/// Builds the emulator, if need be, and runs it.
+fn emulate(words: &[impl AsRef<std::ffi::OsStr>]) -> Result<()> {
+    let mut cargo = shell::cargo("run");
+    cargo.args([
+        "--release",
+        "--quiet",
+        "--locked",
+        "--manifest-path",
+        "firmware/emulator/Cargo.toml",
+    ]);
+    cargo.arg("--target-dir").arg(shell::target_dir());
+    shell::run(cargo.arg("--").args(words))
+}
+
+/// Says what is missing of a part, and how to get it.
+fn require(part: Part) -> Result<()> {
+    let programs: &[&str] = match part {
+        Part::Qemu => &["qemu-system-arm", "qemu-system-riscv32"],
+        Part::Node => &["node", "npm"],
+        _ => &[],
+    };
+    let missing: Vec<_> = programs
+        .iter()
+        .filter(|program| !shell::have(program))
+        .copied()
+        .collect();
+    ensure!(
+        missing.is_empty(),
+        "missing: {}; run `cargo xtask setup --what {}`",
+        missing.join(", "),
+        if part == Part::Qemu { "qemu" } else { "node" }
+    );
+    Ok(())
+}
+
+/// The file as seen from anywhere.
+fn whole(file: &Path) -> Result<PathBuf> {
+    absolute(file).with_context(|| file.display().to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boards_have_the_emulators_names() {
+        let names: Vec<_> = Board::value_variants().iter().map(|board| board.name()).collect();
+        assert_eq!(
+            names,
+            [
+                "pico",
+                "pico2",
+                "esp32c3",
+                "microbit",
+                "rp2040",
+                "mps2-an385",
+                "mps2-an386",
+                "mps2-an500",
+                "mps2-an505",
+                "virt"
+            ]
+        );
+    }
+}
