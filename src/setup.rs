@@ -88,7 +88,7 @@ pub fn albedo(rgb: [f32; 3]) -> Albedo {
 ///
 /// Rounded to nearest: error 2^-16 of the largest channel.
 pub fn radiance(rgb: [f32; 3]) -> Radiance {
-    let rgb = rgb.map(|c| c.max(0.0).min(f32::MAX));
+    let rgb = rgb.map(|c| c.clamp(0.0, f32::MAX));
     let largest = rgb[0].max(rgb[1]).max(rgb[2]);
     // The largest channel becomes 2^23 ..< 2^24, all its bits.
     let exponent = exponent(largest).max(-96) - 23;
