@@ -103,7 +103,11 @@ pub fn run(run: &Run) -> Result<Shown> {
         "flash {} bytes, RAM {} bytes without core 0's stack",
         size.flash, size.ram
     );
-    let rgb = scratch("pico.rgb")?;
+    let rgb = program.with_extension("rgb");
+    let json = program.with_extension("json");
+    for file in [&rgb, &json] {
+        remove(file)?;
+    }
     let mut emulator = emulator(&program)?;
     emulator
         .args(["--size", run.screen.size(), "--until", &run.goal.line(), "--rgb"])
@@ -112,7 +116,6 @@ pub fn run(run: &Run) -> Result<Shown> {
     if let Some(file) = run.png {
         emulator.arg("--png").arg(file);
     }
-    let json = scratch("pico.json")?;
     emulator.arg("--json").arg(&json);
     if run.quiet {
         emulator.arg("--quiet");
@@ -177,7 +180,8 @@ pub fn faults() -> Result<()> {
     ];
     for (fault, line, colour) in cases {
         let program = build(Screen::Square, NAMES[0], fault, Path::new(""))?;
-        let rgb = scratch("fault.rgb")?;
+        let rgb = program.with_extension("rgb");
+        remove(&rgb)?;
         let mut emulator = emulator(&program)?;
         emulator
             .args([
@@ -233,7 +237,7 @@ fn build(screen: Screen, first: &str, provoke: &str, mesh: &Path) -> Result<Path
             ("MICROLUX_MESH", mesh),
             ("MICROLUX_FIRST", first),
         ],
-        name: "pico",
+        name: if mesh.is_empty() { "pico" } else { "pico-mesh" },
     };
     toolchain::build(&build, "thumbv6m-none-eabi", "firmware-pico")
 }
@@ -257,12 +261,11 @@ fn emulator(program: &Path) -> Result<Command> {
     Ok(node)
 }
 
-/// A file among the build's, not there yet.
-fn scratch(name: &str) -> Result<PathBuf> {
-    let file = toolchain::work_folder()?.join(name);
-    match fs::remove_file(&file) {
+/// Removes a file that may be there.
+fn remove(file: &Path) -> Result<()> {
+    match fs::remove_file(file) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(error.into()),
-        _ => Ok(file),
+        _ => Ok(()),
     }
 }
 
