@@ -67,7 +67,7 @@ const PICO_STACK: u64 = 16 * 1024;
 pub fn run(options: &Options) -> Result<()> {
     let mut text = String::new();
     let programs = check_symbols()?;
-    let (mut rows, memory) = pictures(options.runs)?;
+    let (mut rows, memories) = pictures(options.runs)?;
     let mut frames = Vec::new();
     for scene in 0..NAMES.len() {
         let (frame, row) = pico_frame(scene)?;
@@ -76,7 +76,7 @@ pub fn run(options: &Options) -> Result<()> {
     }
     costs(&mut text, &rows)?;
     display(&mut text, &frames)?;
-    space(&mut text, &memory, &frames)?;
+    space(&mut text, &memories, &frames)?;
     writeln!(
         text,
         "\nNo soft-float routine and no formatting code among the symbols of {}.",
@@ -108,8 +108,8 @@ impl Row {
     }
 }
 
-/// Each scene by each integrator on each machine of QEMU's, and the micro:bit's line about its memory.
-fn pictures(runs: u32) -> Result<(Vec<Row>, String)> {
+/// Each scene by each integrator on each machine of QEMU's, and what memory the micro:bit took for each.
+fn pictures(runs: u32) -> Result<(Vec<Row>, Vec<Memory>)> {
     let plugin = count::plugin()?;
     let cases: Vec<(u32, &str, Case)> = (0..)
         .zip(jobs::all())
@@ -121,17 +121,15 @@ fn pictures(runs: u32) -> Result<(Vec<Row>, String)> {
         })
         .collect();
     let outcomes: Vec<Outcome> = cases.iter().map(|(_, _, case)| case.run()).collect();
-    let (mut rows, mut memory) = (Vec::new(), String::new());
+    let (mut rows, mut memories) = (Vec::new(), Vec::new());
     for machine in Machine::ALL.into_iter().filter(|machine| machine.in_qemu()) {
         eprintln!("{}", machine.name());
         let program = machine.build()?;
         let printed = machine.run_in_qemu(&program, &[])?;
         if machine == Machine::Microbit {
-            memory = printed
-                .lines()
-                .find(|line| line.starts_with("memory "))
-                .context("no line about the memory")?
-                .to_owned();
+            for (_, name, _) in &cases {
+                memories.push(Memory::find(&printed, name)?);
+            }
         }
         let counts = count::agreed(machine, &program, &plugin, runs)?;
         for ((id, name, case), outcome) in cases.iter().zip(&outcomes) {
@@ -259,7 +257,7 @@ fn display(text: &mut String, frames: &[Frame]) -> Result<()> {
     Ok(())
 }
 
-fn space(text: &mut String, memory: &str, frames: &[Frame]) -> Result<()> {
+fn space(text: &mut String, memories: &[Memory], frames: &[Frame]) -> Result<()> {
     text.push_str(
         "\n## Flash and RAM, bytes\n\n\
         RAM: variables, core 1's stack among them; core 0's stack comes on top.\n\n\
@@ -296,17 +294,35 @@ fn space(text: &mut String, memory: &str, frames: &[Frame]) -> Result<()> {
     Ok(())
 }
 
-/// Variables, stack and room of `memory variables=.. stack=.. room=..`.
-fn memory_of(line: &str) -> Result<[u64; 3]> {
-    let mut words = line.split_whitespace().skip(1);
-    let mut next = |name: &str| -> Result<u64> {
-        let value = words
-            .next()
-            .and_then(|word| word.strip_prefix(name)?.strip_prefix('='));
-        let value = value.with_context(|| format!("no {name} in {line:?}"))?;
-        Ok(value.parse()?)
-    };
-    Ok([next("variables")?, next("stack")?, next("room")?])
+/// Bytes of RAM that a job took on the micro:bit.
+#[derive(Debug, PartialEq, Eq)]
+struct Memory {
+    name: String,
+    variables: u64,
+    stack: u64,
+    /// What there is for both.
+    room: u64,
+}
+
+impl Memory {
+    /// From the line `memory NAME variables=.. stack=.. room=..`.
+    fn find(printed: &str, name: &str) -> Result<Memory> {
+        let line = printed
+            .lines()
+            .find_map(|line| line.strip_prefix("memory ")?.strip_prefix(name)?.strip_prefix(' '))
+            .with_context(|| format!("no line about the memory of {name}"))?;
+        let mut words = line.split(' ');
+        let mut next = |key: &str| -> Result<u64> {
+            let value = words.next().and_then(|word| word.strip_prefix(key)?.strip_prefix('='));
+            Ok(value.with_context(|| format!("no {key} in {line:?}"))?.parse()?)
+        };
+        Ok(Memory {
+            name: name.to_owned(),
+            variables: next("variables")?,
+            stack: next("stack")?,
+            room: next("room")?,
+        })
+    }
 }
 
 /// Fails if a board's own program has soft-float routines or `core`'s formatting; returns the boards.

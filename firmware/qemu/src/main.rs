@@ -1,5 +1,5 @@
-//! Runs every job of `firmware-common` and prints `name crc32=xxxxxxxx` for each, on ARM then the memory that all of
-//! them took: `memory variables=BYTES stack=BYTES room=BYTES`. The exit code reaches the shell.
+//! Runs every job of `firmware-common` and prints `name crc32=xxxxxxxx` for each, on ARM also the memory that it took:
+//! `memory name variables=BYTES stack=BYTES room=BYTES`. The exit code reaches the shell.
 
 #![no_std]
 #![no_main]
@@ -24,22 +24,22 @@ const ONLY: &str = match option_env!("MICROLUX_ONLY") {
 
 #[entry]
 fn main() -> ! {
-    #[cfg(target_arch = "arm")]
-    stack::paint();
     region::count(region::EMPTY, || ());
     let wanted = |job: &jobs::Job| ONLY.is_empty() || job.name == ONLY;
     for (id, job) in (0..).zip(jobs::all()).filter(|(_, job)| wanted(job)) {
+        #[cfg(target_arch = "arm")]
+        stack::paint();
         let crc = region::count(id, || job.run());
+        #[cfg(target_arch = "arm")]
+        {
+            let stack::Used {
+                variables,
+                stack,
+                room,
+            } = stack::used();
+            println!("memory {} variables={variables} stack={stack} room={room}", job.name);
+        }
         println!("{} crc32={crc:08x}", job.name);
-    }
-    #[cfg(target_arch = "arm")]
-    {
-        let stack::Used {
-            variables,
-            stack,
-            room,
-        } = stack::used();
-        println!("memory variables={variables} stack={stack} room={room}");
     }
     process::exit(0)
 }

@@ -1,4 +1,4 @@
-//! How deep the stack got: the free part of it is painted at the start, and what is left of the paint is measured.
+//! How deep a job's stack gets: the free part of it is painted before, and what is left of the paint is measured after.
 
 use core::ptr;
 
@@ -15,6 +15,9 @@ const PAINT: u32 = 0x5aa5_c33c;
 /// Bytes under the caller that are left alone: what this module needs itself.
 const OWN: usize = 256;
 
+/// Bytes of the stack that are painted and looked at: all that a micro:bit has.
+const DEPTH: usize = 16 * 1024;
+
 /// Bytes of the RAM that a program takes.
 pub struct Used {
     pub variables: usize,
@@ -27,7 +30,7 @@ pub struct Used {
 #[inline(never)]
 pub fn paint() {
     let here = cortex_m::register::msp::read() as usize - OWN;
-    let mut word = (&raw const _stack_end).cast_mut();
+    let mut word = lowest().cast_mut();
     while (word as usize) < here {
         // SAFETY: the word lies in the stack, below all that is in use of it.
         unsafe { ptr::write_volatile(word, PAINT) };
@@ -35,10 +38,16 @@ pub fn paint() {
     }
 }
 
-/// What the program has used since the start, the stack as deep as it ever was.
+/// The lowest word that is painted.
+fn lowest() -> *const u32 {
+    let (top, end) = (&raw const _stack_start, &raw const _stack_end);
+    end.max(top.wrapping_byte_sub(DEPTH))
+}
+
+/// What the program has used since it was painted, the stack as deep as it ever was.
 pub fn used() -> Used {
     let top = &raw const _stack_start as usize;
-    let mut word = &raw const _stack_end;
+    let mut word = lowest();
     // SAFETY: the word lies in the stack, which may be read.
     while (word as usize) < top && unsafe { ptr::read_volatile(word) } == PAINT {
         word = word.wrapping_add(1);
