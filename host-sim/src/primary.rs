@@ -72,10 +72,7 @@ pub fn compare(
     let (mut rays, mut disagreements) = (0u64, 0u64);
     for (y, row) in rows.iter().enumerate() {
         for (x, pairs) in row.iter().enumerate() {
-            let errors = pairs
-                .iter()
-                .filter_map(|pair| pair.error)
-                .map(|error| error / extent);
+            let errors = pairs.iter().filter_map(|pair| pair.error);
             if !at_silhouette(&rows, x, y) {
                 away.extend(errors.clone());
             }
@@ -145,4 +142,31 @@ fn at_silhouette(rows: &[Vec<Vec<Pair>>], x: usize, y: usize) -> bool {
         }
     }
     (hits && misses) || far > near * DISCONTINUITY
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::desc::GeometryDesc;
+
+    /// A scene eight times as large is the same in the core's units: shares must not tell the two apart.
+    #[test]
+    fn errors_are_shares() {
+        let report = |factor: f64| {
+            let mut desc = builtin::scene("furnace").unwrap();
+            desc.camera.origin = desc.camera.origin.map(|x| factor * x);
+            for shape in &mut desc.shapes {
+                if let GeometryDesc::Sphere { radius, .. } = &mut shape.geometry {
+                    *radius *= factor;
+                }
+            }
+            let core = CoreScene::new(&desc).unwrap();
+            compare(&core, 8, 8, &AtomicBool::new(false)).unwrap().unwrap()
+        };
+        let (small, large) = (report(1.0), report(8.0));
+        let (a, b) = (small.hit_point_error.p50, large.hit_point_error.p50);
+        assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-6, "{a:e} {b:e}");
+        assert_eq!(small.rays, large.rays);
+    }
 }
