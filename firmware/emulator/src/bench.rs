@@ -153,7 +153,7 @@ fn pictures(runs: u32) -> Result<(Vec<Row>, Vec<Memory>)> {
             });
         }
     }
-    Ok((rows, memory))
+    Ok((rows, memories))
 }
 
 /// The Pico's program up to the end of a scene's first full pass.
@@ -272,13 +272,19 @@ fn space(text: &mut String, memories: &[Memory], frames: &[Frame]) -> Result<()>
         Measured: painted on the micro:bit, the lowest stack pointer on the Pico.\n\n\
         | program | deepest | room | margin |\n| --- | ---: | ---: | ---: |\n",
     );
-    let [variables, stack, room] = memory_of(memory)?;
-    let free = room - variables;
-    writeln!(
-        text,
-        "| micro:bit, all jobs | {stack} | {free} | {} |",
-        free - stack
-    )?;
+    for Memory {
+        name,
+        variables,
+        stack,
+        room,
+    } in memories
+    {
+        let free = room - variables;
+        let margin = free
+            .checked_sub(*stack)
+            .context("a stack is larger than its room")?;
+        writeln!(text, "| micro:bit, {name} | {stack} | {free} | {margin} |")?;
+    }
     for frame in frames {
         for (core, deepest) in frame.stacks.iter().enumerate() {
             let margin = PICO_STACK
@@ -309,11 +315,17 @@ impl Memory {
     fn find(printed: &str, name: &str) -> Result<Memory> {
         let line = printed
             .lines()
-            .find_map(|line| line.strip_prefix("memory ")?.strip_prefix(name)?.strip_prefix(' '))
+            .find_map(|line| {
+                line.strip_prefix("memory ")?
+                    .strip_prefix(name)?
+                    .strip_prefix(' ')
+            })
             .with_context(|| format!("no line about the memory of {name}"))?;
         let mut words = line.split(' ');
         let mut next = |key: &str| -> Result<u64> {
-            let value = words.next().and_then(|word| word.strip_prefix(key)?.strip_prefix('='));
+            let value = words
+                .next()
+                .and_then(|word| word.strip_prefix(key)?.strip_prefix('='));
             Ok(value.with_context(|| format!("no {key} in {line:?}"))?.parse()?)
         };
         Ok(Memory {
@@ -410,11 +422,10 @@ mod tests {
 
     #[test]
     fn reads_the_memory_line() {
-        assert_eq!(
-            memory_of("memory variables=128 stack=5688 room=16384").unwrap(),
-            [128, 5688, 16384]
-        );
-        assert!(memory_of("memory stack=1").is_err());
+        let printed = "memory a-1 variables=1 stack=2 room=3\nmemory a variables=128 stack=5688 room=16384\n";
+        let memory = Memory::find(printed, "a").unwrap();
+        assert_eq!((memory.variables, memory.stack, memory.room), (128, 5688, 16384));
+        assert!(Memory::find(printed, "b").is_err());
     }
 
     #[test]

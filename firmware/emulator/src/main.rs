@@ -130,9 +130,14 @@ fn goal(options: &Run) -> Result<pico::Goal> {
             pass.block == 1 && pass.spp == options.spp
         }
     };
-    let scene = NAMES
-        .iter()
-        .position(|name| *name == options.scene || (options.mesh.is_some() && *name == "mesh"));
+    let scene = NAMES.iter().position(|name| {
+        *name
+            == if options.mesh.is_some() {
+                "mesh"
+            } else {
+                &*options.scene
+            }
+    });
     Ok(pico::Goal {
         scene: scene.context("no such scene")?,
         pass: PASSES

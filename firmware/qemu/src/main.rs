@@ -37,7 +37,10 @@ fn main() -> ! {
                 stack,
                 room,
             } = stack::used();
-            println!("memory {} variables={variables} stack={stack} room={room}", job.name);
+            println!(
+                "memory {} variables={variables} stack={stack} room={room}",
+                job.name
+            );
         }
         println!("{} crc32={crc:08x}", job.name);
     }
