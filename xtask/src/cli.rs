@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::{accuracy, ci, device, golden, layers, no_float, setup, shell};
+use crate::{accuracy, bench_host, ci, device, golden, layers, no_float, setup, shell};
 
 /// The chores of microlux.
 #[derive(Parser)]
@@ -38,6 +38,8 @@ enum Chore {
     Device(device::Options),
     /// Measure the firmware on each emulated core and write docs/device.md
     BenchDevice(device::BenchOptions),
+    /// Count instructions on this computer and write docs/performance.md
+    BenchHost(bench_host::Options),
     /// Compare the golden pictures with the record
     Golden(golden::Options),
     /// Measure the picture's errors and write docs/accuracy.md
@@ -57,6 +59,7 @@ impl Xtask {
             Chore::NoFloat => no_float::check(&shell::root()).map(|summary| println!("{summary}")),
             Chore::Device(options) => device::run(&options),
             Chore::BenchDevice(options) => device::bench(&options),
+            Chore::BenchHost(options) => bench_host::run(&options),
             Chore::Golden(options) => golden::run(&options),
             Chore::Accuracy(options) => accuracy::run(&options),
         }

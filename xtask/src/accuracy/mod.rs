@@ -14,9 +14,10 @@ use anyhow::{Context, Result};
 use clap::Args;
 
 use crate::shell;
-use case::Case;
+pub(crate) use case::{Case, built_in, bunny, files};
 use measure::Outcome;
-use record::{Header, Row};
+pub(crate) use record::Header;
+use record::Row;
 
 #[derive(Args)]
 pub struct Options {
