@@ -83,7 +83,8 @@ pub(crate) fn check_tree(
         high: [u16::MAX; 3],
     };
     let mut jobs: Vec<Job, { 3 * MAX_DEPTH + 1 }> = Vec::new();
-    if count > 0 {
+    // A tree over nothing has no nodes: a traversal would begin at the first.
+    if count > 0 || !nodes.is_empty() {
         jobs.extend([Job {
             node: 0,
             level: 1,
@@ -207,6 +208,8 @@ mod tests {
             faulty(&|n| n[1].planes[1][0][0] += 255),
             CheckError::Outside { .. }
         ));
+        assert!(check_items::<Bounds>(&[], 16, &nodes).is_err());
+        assert_eq!(check_items::<Bounds>(&[], 16, &[]), Ok(0));
         items[7].high[2] = 800;
         assert_eq!(
             check_items(&items, 16, &nodes),

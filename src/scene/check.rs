@@ -44,6 +44,8 @@ pub enum SceneError {
     Tree(CheckError),
     /// Finite shapes must come first, as many as `bounded` says.
     Order { shape: u16 },
+    /// Fewer shapes than `bounded` says are finite.
+    Bounded { shapes: usize },
     /// The memory for nodes is too small.
     Nodes { needed: usize },
 }
@@ -75,6 +77,9 @@ impl core::fmt::Display for SceneError {
             Self::Grid { mesh } => write!(f, "mesh {mesh}: its grid is coarser than the scene's"),
             Self::Tree(error) => write!(f, "the tree over the shapes: {error}"),
             Self::Order { shape } => write!(f, "shape {shape}: finite shapes come first, then planes"),
+            Self::Bounded { shapes } => {
+                write!(f, "{shapes} shapes are fewer than are said to be finite")
+            }
             Self::Nodes { needed } => write!(f, "too few nodes: {needed} are enough"),
             Self::NoLight => write!(f, "nothing in the scene emits light"),
         }
@@ -161,7 +166,12 @@ impl<'a> Scene<'a> {
         {
             return Err(SceneError::Grid { mesh });
         }
-        let finite = parts.shapes.get(..parts.bounded as usize).unwrap_or(&[]);
+        let finite = parts
+            .shapes
+            .get(..parts.bounded as usize)
+            .ok_or(SceneError::Bounded {
+                shapes: parts.shapes.len(),
+            })?;
         let bounds = |i: u32| {
             let shape = finite.get(i as usize)?;
             let inside =

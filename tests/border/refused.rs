@@ -411,6 +411,40 @@ fn parts_by_hand() {
     assert_eq!(coarse, Ok(()));
 }
 
+/// The first node is where every ray begins: with nothing to check it against, it has to be missing.
+#[test]
+fn trees_over_less_than_there_is() {
+    let mut b = Builder::new();
+    b.light(LAMP).unwrap();
+    let white = b.material(Material::lambert(Albedo::WHITE)).unwrap();
+    b.shape(BALL, white).unwrap();
+    b.shape(BALL, white).unwrap();
+    let mut nodes = [Node::EMPTY; 1];
+    let scene = b.build(&mut nodes).unwrap();
+    let parts = *scene.parts();
+    let error = Scene::new(Parts { bounded: 3, ..parts });
+    let error = error.map(|_| ()).unwrap_err();
+    assert_eq!(error, SceneError::Bounded { shapes: 2 });
+    assert_eq!(error.to_string(), "2 shapes are fewer than are said to be finite");
+    let nothing = Parts {
+        shapes: &[],
+        bounded: 0,
+        ..parts
+    };
+    let over_nothing = Scene::new(nothing).map(|_| ());
+    assert!(
+        matches!(over_nothing, Err(SceneError::Tree(_))),
+        "{over_nothing:?}"
+    );
+    assert!(
+        Scene::new(Parts {
+            nodes: &[],
+            ..nothing
+        })
+        .is_ok()
+    );
+}
+
 #[test]
 fn a_mesh_coarser_than_the_scene() {
     let mut tree = [Node::EMPTY; 1];
