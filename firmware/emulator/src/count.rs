@@ -173,7 +173,11 @@ mod tests {
 
     #[test]
     fn subtracts_the_markers() {
-        let counts = parse("total 900 1000\nregion 2 3 160 250\nregion 63 1 10 15\n").unwrap();
+        let empty = region::EMPTY;
+        let counts = parse(&format!(
+            "total 900 1000\nregion 2 3 160 250\nregion {empty} 1 10 15\n"
+        ))
+        .unwrap();
         assert_eq!(
             counts.total,
             Spent {
