@@ -1,4 +1,4 @@
-//! The list that every target runs and prints, one line each: `name crc32=xxxxxxxx`.
+//! The list that every target runs and prints, one line each: `name crc32=89abcdef`.
 
 use microlux::scene::builtin::Builtin::{Cornell, Spheres, Torus};
 

@@ -1,4 +1,4 @@
-//! Runs every job of `firmware-common` and prints `name crc32=xxxxxxxx` for each, on ARM also the memory that it took:
+//! Runs every job of `firmware-common` and prints `name crc32=89abcdef` for each, on ARM also the memory that it took:
 //! `memory name variables=BYTES stack=BYTES room=BYTES`. The exit code reaches the shell.
 
 #![no_std]
