@@ -100,7 +100,7 @@ fn show(name: String, mesh: MeshDesc) -> Option<SceneDesc> {
             },
             LightDesc::Directional {
                 direction: unit([-0.35, -1.0, -0.5])?,
-                irradiance: [2.4, 2.2, 1.9],
+                irradiance: [1.9, 1.75, 1.5],
             },
         ],
         name,
