@@ -29,6 +29,7 @@ pub enum SamplerKind {
     Stratified,
     Cmj,
     Sobol,
+    Blue,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
