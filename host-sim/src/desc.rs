@@ -33,6 +33,7 @@ pub enum SamplerKind {
     Stratified,
     Cmj,
     Sobol,
+    Blue,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
