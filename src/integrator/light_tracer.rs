@@ -62,6 +62,7 @@ impl Integrator for LightTracer {
             full: self.max_depth,
             rr_depth: self.rr_depth,
             hide_emitters: self.hide_emitters,
+            found: Wide::ZERO,
         }
         .follow(view, sampler, &mut Unweighted(splats), rays, &[]);
         if self.hide_emitters || self.max_depth == 0 {

@@ -113,6 +113,15 @@ impl Material {
         }
     }
 
+    /// The density alone with which [`Self::sample`] would draw `wi`; 0 where no light is scattered.
+    #[inline]
+    pub fn pdf(&self, local: &Local, wi: Dir) -> Wide {
+        match self {
+            Material::Lambert { two_sided, .. } => lambert::pdf(*two_sided, local, wi),
+            _ => self.eval(local, wi).map_or(Wide::ZERO, |(_, pdf)| pdf),
+        }
+    }
+
     /// The squared ratio of refractive indices crossed between two directions, the one's of `wi` over that of `wo`; 1 on
     /// one side.
     ///

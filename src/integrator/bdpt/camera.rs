@@ -15,7 +15,7 @@ use heapless::Vec;
 
 impl<const N: usize> Bdpt<N> {
     /// Follows the camera's ray: what emits on the way (no vertex from a light), light samples (one), and vertices to
-    /// connect to.
+    /// connect to. Answers with how much light came together.
     pub(super) fn camera_subpath<'a, T: Tally>(
         &self,
         view: &View<'a>,
@@ -24,7 +24,7 @@ impl<const N: usize> Bdpt<N> {
         tally: &mut T,
         rays: &mut u32,
         vertices: &mut Vec<PathVertex<'a>, N>,
-    ) {
+    ) -> Wide {
         let scene = view.scene;
         let mut ray = ray;
         let mut partial = Partial::from_camera(view.film.density(ray.dir), T::SPLATS);
@@ -36,6 +36,7 @@ impl<const N: usize> Bdpt<N> {
         // How many lights a camera ray may still pass through unseen, and how far it came meanwhile.
         let mut hidden = if self.hide_emitters { HIDDEN } else { 0 };
         let mut passed = 0i32;
+        let mut found = Wide::ZERO;
         while depth < self.max_depth {
             depth += 1;
             *rays = rays.wrapping_add(1);
@@ -53,7 +54,9 @@ impl<const N: usize> Bdpt<N> {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
                     // Nothing else finds it.
-                    tally.gather(strategy, throughput.mul(scene.environment()), Wide::ONE);
+                    let light = throughput.mul(scene.environment());
+                    found = found + light.max_channel();
+                    tally.gather(strategy, light, Wide::ONE);
                     break;
                 }
                 Some(Seen::Environment) | None => break,
@@ -75,7 +78,9 @@ impl<const N: usize> Bdpt<N> {
                     let sample = scene.light_pdf(light, ray.origin, ray.dir, &hit);
                     self.emission_weight(view, &partial, depth, bsdf_pdf, sample, light, &hit)
                 };
-                tally.gather(strategy, throughput.mul(vertex.emission), weight);
+                let light = throughput.mul(vertex.emission);
+                found = found + light.max_channel() * weight;
+                tally.gather(strategy, light, weight);
             }
             let cos = cos(&vertex, vertex.wo);
             if depth >= self.max_depth || cos.is_zero() {
@@ -93,7 +98,7 @@ impl<const N: usize> Bdpt<N> {
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
             let (light, number) = choose(choice, scene.light_count());
             if at.vertex.material.is_smooth() {
-                self.sample_light(view, &at, light, place, tally, rays);
+                found = found + self.sample_light(view, &at, light, place, tally, rays);
                 if depth + 2 <= self.max_depth.min(Self::FULL_DEPTH) {
                     // Full depth leaves room for as many as there are.
                     let _ = vertices.push(at);
@@ -117,6 +122,7 @@ impl<const N: usize> Bdpt<N> {
                 throughput = throughput.scale(more);
             }
         }
+        found
     }
 
     /// The weight of a path that met a light by chance, at its segment number `depth` ≥ 2.
@@ -143,7 +149,7 @@ impl<const N: usize> Bdpt<N> {
         weight(Wide::ZERO, partial.shorter_at_light(sample, emission))
     }
 
-    /// The light that one sample of one light sends over a camera vertex.
+    /// The light that one sample of one light sends over a camera vertex; answers with how much.
     #[inline]
     fn sample_light(
         &self,
@@ -153,14 +159,14 @@ impl<const N: usize> Bdpt<N> {
         place: [Uniform; 2],
         tally: &mut impl Tally,
         rays: &mut u32,
-    ) {
+    ) -> Wide {
         let scene = view.scene;
         let surface = &at.vertex.surface;
         let Some(sample) = scene.sample_light(light, surface.point, place) else {
-            return;
+            return Wide::ZERO;
         };
         let Some((reflected, pdf)) = at.eval(sample.wi) else {
-            return;
+            return Wide::ZERO;
         };
         let shadow = Ray {
             origin: surface.leave(sample.wi),
@@ -168,7 +174,7 @@ impl<const N: usize> Bdpt<N> {
         };
         *rays = rays.wrapping_add(1);
         if scene.occluded(&shadow, sample.distance, sample.shape) {
-            return;
+            return Wide::ZERO;
         }
         // One of `light_count` is chosen: the density is that much smaller.
         let count = Wide::new(scene.light_count(), 0);
@@ -192,5 +198,6 @@ impl<const N: usize> Bdpt<N> {
             camera: at.depth + 1,
         };
         tally.gather(strategy, arriving, weight);
+        arriving.max_channel() * weight
     }
 }

@@ -17,7 +17,15 @@ pub struct LightWalk {
     pub rr_depth: u16,
     /// Lights that are shapes stand in no camera ray's way.
     pub hide_emitters: bool,
+    /// How much light the camera's subpath found for its pixel.
+    pub found: Wide,
 }
+
+/// Connections that would bring less than 2^-this of what was found for the pixel so far are taken now and then.
+const LEAST: i32 = 3;
+
+/// By how much the number of one connection's roulette differs from the one's before: the golden ratio, in turns.
+const GOLDEN: u32 = 0x9e37_79b9;
 
 impl LightWalk {
     /// Follows a ray of light, and connects each vertex with the lens and with the camera's.
@@ -32,6 +40,7 @@ impl LightWalk {
         let scene = view.scene;
         // Segments of the light's share in the longest paths to connect.
         let full = self.full;
+        let mut found = self.found;
         let longest = match camera.first() {
             _ if T::SPLATS => full.saturating_sub(1),
             Some(first) => full.saturating_sub(1 + first.depth),
@@ -93,14 +102,27 @@ impl LightWalk {
                         tally.splat(strategy, pixel, light, weight);
                     }
                 }
+                let mut number = if camera.is_empty() {
+                    0
+                } else {
+                    sampler.next_1d().to_bits()
+                };
                 for end in camera.iter().take_while(|end| end.depth + depth < full) {
-                    if let Some((light, weight)) = connect(scene, end, &at, rays) {
+                    if let Some((light, weight)) = connect(
+                        scene,
+                        end,
+                        &at,
+                        (found.shl(-LEAST), Uniform::from_bits(number)),
+                        rays,
+                    ) {
                         let strategy = Strategy {
                             light: depth + 1,
                             camera: end.depth + 1,
                         };
                         tally.gather(strategy, light, weight);
+                        found = found + light.max_channel() * weight;
                     }
+                    number = number.wrapping_add(GOLDEN);
                 }
             }
             if depth >= longest {

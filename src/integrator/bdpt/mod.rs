@@ -115,8 +115,8 @@ impl<const N: usize> Bdpt<N> {
     /// One sample: a camera subpath along `ray`, a light subpath, and what joins them.
     ///
     /// Draws as [`super::Path`] does; then for the light subpath which light (1-D), the place (2-D) and the direction
-    /// (2-D), and at each of its vertices lobe (1-D), direction (2-D) and roulette (1-D), and a place on the lens (2-D) if
-    /// there is one. In tiles there is no light subpath where the camera's has no vertex to connect it with.
+    /// (2-D), and at each of its vertices a place on the lens (2-D) if there is one, roulette of the
+    /// connections (1-D), lobe (1-D), direction (2-D) and roulette (1-D). In tiles there is no light subpath where the camera's has no vertex to connect it with.
     pub fn follow<'a>(
         &self,
         view: &View<'a>,
@@ -126,11 +126,12 @@ impl<const N: usize> Bdpt<N> {
         rays: &mut u32,
     ) {
         let mut vertices = Vec::new();
-        self.camera_subpath(view, ray, sampler, tally, rays, &mut vertices);
+        let found = self.camera_subpath(view, ray, sampler, tally, rays, &mut vertices);
         LightWalk {
             full: self.max_depth.min(Self::FULL_DEPTH),
             rr_depth: self.rr_depth,
             hide_emitters: self.hide_emitters,
+            found,
         }
         .follow(view, sampler, tally, rays, &vertices);
     }

@@ -39,10 +39,7 @@ impl PathVertex<'_> {
     pub fn reverse_pdf(&self, dir: Dir) -> Wide {
         let local = self.vertex.local();
         let turned = Local { wo: dir, ..local };
-        match self.vertex.material.eval(&turned, local.wo) {
-            Some((_, pdf)) => pdf,
-            None => Wide::ZERO,
-        }
+        self.vertex.material.pdf(&turned, local.wo)
     }
 
     /// Cosine between a direction and the normal, on whichever side.
