@@ -2,13 +2,21 @@
 //! trace rays.
 
 mod area;
+mod choice;
+mod environment;
+mod map;
+mod sky;
 
 use crate::color::Radiance;
 use crate::geom::{Dir, FAR, Point};
-use crate::num::{Uniform, Wide};
+use crate::num::Wide;
 use crate::shape::Geometry;
 
 pub use area::{pdf_area, sample_area};
+pub use choice::{chance_by, choose, choose_by, share_out};
+pub use environment::{Environment, EnvironmentSample};
+pub use map::{Map, MapError, MapParts, Texel};
+pub use sky::Sky;
 
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,14 +97,4 @@ pub enum Emitter<'a> {
         area: Wide,
         chance: Wide,
     },
-}
-
-/// Two uniform numbers of one dimension: an index below `count`, and what is left as a new uniform number.
-///
-/// If there is nothing to choose from, index 0, and all of the number is left.
-#[inline]
-pub fn choose(u: Uniform, count: u32) -> (u32, Uniform) {
-    let bits = u.to_bits();
-    let index = crate::num::mul_hi(bits, count);
-    (index, Uniform::from_bits(bits.wrapping_mul(count.max(1))))
 }
