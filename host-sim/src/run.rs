@@ -169,6 +169,11 @@ pub fn render_fixed(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
+    if !matches!(options.integrator, IntegratorKind::Path | IntegratorKind::Direct) {
+        let kind = format!("{:?}", options.integrator).to_lowercase();
+        let message = format!("there is no fixed-point integrator {kind} yet; take path or direct");
+        return Err(Error::Scene(message));
+    }
     let core = CoreScene::new(desc)?;
     let meshes = core.meshes();
     let scene = core.scene(&meshes)?;
@@ -245,6 +250,11 @@ pub fn render_reference(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
+    if options.integrator == IntegratorKind::Ao {
+        return Err(Error::Scene(
+            "the reference has no integrator ao yet; take path or direct".into(),
+        ));
+    }
     let scene = dequantise::scene(&CoreScene::new(desc)?)?;
     let path = integrator(desc, options);
     let settings = reference::Settings {
@@ -358,7 +368,7 @@ const UNLIMITED: u16 = u16::MAX;
 fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     let max_depth = match options.integrator {
         IntegratorKind::Direct => 2,
-        IntegratorKind::Path => options
+        _ => options
             .max_depth
             .map_or(UNLIMITED, |depth| depth.min(u32::from(UNLIMITED)) as u16),
     };

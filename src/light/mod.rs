@@ -3,6 +3,7 @@
 
 mod area;
 mod choice;
+mod emit;
 mod environment;
 mod map;
 mod sky;
@@ -12,8 +13,10 @@ use crate::geom::{Dir, FAR, Point};
 use crate::num::Wide;
 use crate::shape::Geometry;
 
-pub use area::{pdf_area, sample_area};
+pub(crate) use area::short_of;
+pub use area::{pdf_area, sample_area, sample_surface, surface_area};
 pub use choice::{chance_by, choose, choose_by, share_out};
+pub use emit::{Emission, POINT_DENSITY, area_density, emit_area, emit_point};
 pub use environment::{Environment, EnvironmentSample};
 pub use map::{Map, MapError, MapParts, Texel};
 pub use sky::Sky;
@@ -45,6 +48,8 @@ pub struct LightSample {
     pub pdf: Wide,
     /// The sphere that the light is: it does not stand in its own way, however the distance was rounded at its rim.
     pub shape: Option<u16>,
+    /// The triangle that was drawn, 0 where the light is no mesh.
+    pub triangle: u32,
 }
 
 impl LightSample {
@@ -70,6 +75,7 @@ pub fn sample_point(
         radiance: intensity.scale(square.recip()),
         pdf: Wide::ZERO,
         shape: None,
+        triangle: 0,
     })
 }
 
@@ -82,6 +88,7 @@ pub fn sample_directional(direction: Dir, irradiance: Radiance) -> LightSample {
         radiance: irradiance,
         pdf: Wide::ZERO,
         shape: None,
+        triangle: 0,
     }
 }
 

@@ -10,6 +10,7 @@ mod arrange;
 mod builder;
 pub mod builtin;
 mod check;
+mod emit;
 mod power;
 mod query;
 
@@ -241,7 +242,9 @@ impl<'a> Scene<'a> {
                 };
                 let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
                 let (triangle, rest) = light::choose(u[0], count);
-                light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])
+                let sample =
+                    light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])?;
+                Some(LightSample { triangle, ..sample })
             }
             Light::Environment { .. } => None,
         }
@@ -258,6 +261,7 @@ impl<'a> Scene<'a> {
             radiance: sample.radiance,
             pdf: sample.pdf,
             shape: None,
+            triangle: 0,
         })
     }
 
@@ -268,12 +272,20 @@ impl<'a> Scene<'a> {
             return Wide::ZERO;
         };
         debug_assert_eq!(shape.light, Some(light));
+        self.shape_pdf(from, wi, hit) * self.light_chance(u32::from(light))
+    }
+
+    /// The same if the light is chosen already.
+    #[inline]
+    fn shape_pdf(&self, from: Point, wi: Dir, hit: &Hit) -> Wide {
+        let Some(shape) = self.parts.shapes.get(hit.shape as usize) else {
+            return Wide::ZERO;
+        };
         let emitter = match shape.geometry {
             Geometry::Mesh(mesh) => self.triangle(mesh, hit.triangle),
             _ => Some(Emitter::Shape(&shape.geometry)),
         };
-        let pdf = emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t));
-        pdf * self.light_chance(u32::from(light))
+        emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t))
     }
 
     /// A triangle as one of its mesh's, any of which may be drawn.
