@@ -56,6 +56,7 @@ impl Draft {
             max_depth: Some(max_depth),
             rr_depth: 5,
             hide_emitters: false,
+            ao_radius: None,
         };
         Self(SceneDesc {
             name: name.to_string(),

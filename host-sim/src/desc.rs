@@ -3,6 +3,10 @@
 //! The importers write it, `quantise` turns it into the core's scene. Both renderers mean by it what Mitsuba 3 means:
 //! right-handed, radiance in W·sr⁻¹·m⁻² per linear sRGB channel.
 
+mod implicit;
+
+pub use implicit::{BallDesc, BoundDesc, CapsuleDesc, ImplicitDesc, PartDesc};
+
 /// Three numbers: a point (metres), a direction, or a colour.
 pub type Vec3 = [f64; 3];
 
@@ -29,15 +33,25 @@ pub enum SamplerKind {
     Stratified,
     Cmj,
     Sobol,
+    Blue,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntegratorKind {
+    /// Ambient occlusion: (1/π) ∫ V(ω) cosθ dω over the hemisphere about the shading normal on the eye's side, the same in
+    /// every channel, at the first hit. V is 1 where nothing lies within `IntegratorDesc::ao_radius` along ω. Every material
+    /// counts alike, emitters are shapes like others, and where the camera ray meets nothing it is 0.
+    Ao,
     Direct,
     Path,
+    /// The picture of `Path`, by bidirectional path tracing.
+    Bdpt,
+    /// The picture of `Path` but for what the camera sees only by a mirror, glass or the background, by paths from the
+    /// lights.
+    Light,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IntegratorDesc {
     pub kind: IntegratorKind,
     /// Paths of at most this many segments (1: emission only, 2: direct light); `None`: no limit but roulette.
@@ -46,6 +60,8 @@ pub struct IntegratorDesc {
     pub rr_depth: u32,
     /// Emitters are not seen directly by the camera.
     pub hide_emitters: bool,
+    /// How far `Ao` looks for what hides the sky, metres; `None`: without end.
+    pub ao_radius: Option<f64>,
 }
 
 /// A perspective camera. `right`, `up` and `forward` are orthonormal; `right` and `up` point right and up in the picture.
@@ -103,11 +119,15 @@ pub enum BsdfDesc {
         specular_reflectance: Vec3,
         specular_transmittance: Vec3,
     },
+    /// Rough diffuse, after Oren and Nayar; the formulas are `OrenNayarModel`'s.
     OrenNayar {
         reflectance: Vec3,
+        /// Standard deviation of the facets' slope angle.
         sigma_degrees: f64,
         model: OrenNayarModel,
     },
+    /// With kd, ks, n the fields in turn and H the half vector. `normalized`: f = kd/π + ks (n+8)/(8π) (N·H)ⁿ; else
+    /// f cosθi = kd/π cosθi + ks/π (N·H)ⁿ. Zero unless both directions are above the surface.
     BlinnPhong {
         diffuse_reflectance: Vec3,
         specular_reflectance: Vec3,
@@ -118,8 +138,13 @@ pub enum BsdfDesc {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OrenNayarModel {
+    /// The sum of both terms of the 1994 paper: direct illumination of the facets and one interreflection.
     Full,
+    /// Its section 4.4, with A = 1 − s/(2 (s + 0.33)), s = σ².
     Qualitative,
+    /// EON: Portsmouth, Kutz and Hill, "EON: A practical energy-preserving rough diffuse BRDF", JCGT 14(1), 2025: Fujii's
+    /// single scattering plus its multiple scattering lobe, with the exact albedo. `reflectance` is its ρ, and its roughness
+    /// r, 0 to 1, is σ / 90°.
     EnergyPreserving,
 }
 
@@ -157,6 +182,7 @@ pub enum GeometryDesc {
         v: Vec3,
     },
     Mesh(MeshDesc),
+    Implicit(ImplicitDesc),
 }
 
 /// Triangles, counter-clockwise seen from the side of the normal.
@@ -176,6 +202,18 @@ pub enum LightDesc {
     Directional { direction: Vec3, irradiance: Vec3 },
     /// The same radiance from everywhere.
     Constant { radiance: Vec3 },
+    /// A sky that fades from zenith to horizon and on to the ground, and perhaps a sun in it.
+    ///
+    /// With s = d·`up`, the sine of the elevation of direction d: horizon + s (zenith − horizon) where s ≥ 0, and
+    /// horizon − s (ground − horizon) below. The sun's radiance is added to that within its disk.
+    Gradient {
+        zenith: Vec3,
+        horizon: Vec3,
+        ground: Vec3,
+        /// Unit.
+        up: Vec3,
+        sun: Option<SunDesc>,
+    },
     /// Latitude-longitude picture, row-major, top row first.
     ///
     /// `to_world` holds the orthonormal directions of its axes: y towards the top row, z towards the picture's middle,
@@ -187,4 +225,15 @@ pub enum LightDesc {
         pixels: Vec<Vec3>,
         to_world: [Vec3; 3],
     },
+}
+
+/// A disk in the sky, of the same radiance all over: d is in it where the angle between d and `direction` is at most half
+/// of `angle`. It is whole even below the horizon.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunDesc {
+    /// Towards the sun; unit.
+    pub direction: Vec3,
+    pub radiance: Vec3,
+    /// Angular diameter, degrees, above 0 and at most 90. A plane that faces the sun receives π sin²(angle/2) `radiance`.
+    pub angle: f64,
 }

@@ -137,13 +137,11 @@ impl CoreScene {
                         radiance: radiance(*r),
                     });
                 }
-                LightDesc::EnvMap { .. } => {
+                LightDesc::Gradient { .. } | LightDesc::EnvMap { .. } => {
+                    let name = variant(light);
                     let what =
-                        "the fixed-point core has no environment maps yet; use a constant one".to_string();
-                    return Err(QuantiseError::Unsupported {
-                        name: "envmap".into(),
-                        what,
-                    });
+                        "the fixed-point core has no such environment yet; use a constant one".to_string();
+                    return Err(QuantiseError::Unsupported { name, what });
                 }
             }
         }
@@ -210,6 +208,7 @@ fn bounds(shape: &ShapeDesc) -> Vec<Vec3> {
             around(*center, [0, 1, 2].map(|i| u[i].abs() + v[i].abs()))
         }
         GeometryDesc::Mesh(mesh) => mesh.vertices.clone(),
+        GeometryDesc::Implicit(solid) => solid.bounds().to_vec(),
     }
 }
 
@@ -282,6 +281,13 @@ impl Rounding {
                     .into()
             }
             GeometryDesc::Mesh(_) => return Err(degenerate()),
+            GeometryDesc::Implicit(solid) => {
+                let kind = variant(solid);
+                return Err(QuantiseError::Unsupported {
+                    name: shape.name.clone(),
+                    what: format!("the fixed-point core has no {kind} yet; use a mesh"),
+                });
+            }
         })
     }
 
@@ -390,6 +396,13 @@ fn radiance(color: Vec3) -> Radiance {
     )
 }
 
+/// The name of an enum's variant, in small letters.
+fn variant(value: &impl std::fmt::Debug) -> String {
+    let said = format!("{value:?}");
+    let end = said.find([' ', '{', '(']).unwrap_or(said.len());
+    said[..end].to_lowercase()
+}
+
 fn material(name: &str, two_sided: bool, bsdf: &BsdfDesc) -> Result<Material, QuantiseError> {
     Ok(match bsdf {
         BsdfDesc::Diffuse { reflectance } => Material::Lambert {
@@ -413,8 +426,7 @@ fn material(name: &str, two_sided: bool, bsdf: &BsdfDesc) -> Result<Material, Qu
                 .tinted(albedo(*specular_reflectance), albedo(*specular_transmittance)),
         ),
         other => {
-            let kind = format!("{other:?}");
-            let kind = kind.split([' ', '{']).next().unwrap_or_default().to_lowercase();
+            let kind = variant(other);
             let what = format!("the fixed-point core has no {kind} yet; use diffuse, dielectric or a mirror");
             return Err(QuantiseError::Unsupported {
                 name: name.to_string(),

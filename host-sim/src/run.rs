@@ -15,7 +15,7 @@ use microlux::color::Radiance;
 use microlux::film::Tile;
 use microlux::integrator::Path;
 use microlux::render::{Renderer, Settings};
-use microlux::sampler::{AnySampler, Independent, Sampler, Sobol, Stratified};
+use microlux::sampler::{AnySampler, Cmj, Independent, Sampler, Sobol, Stratified, ZSobol};
 use microlux::scene::Mesh;
 use rayon::prelude::*;
 
@@ -169,12 +169,17 @@ pub fn render_fixed(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
+    if !matches!(options.integrator, IntegratorKind::Path | IntegratorKind::Direct) {
+        let kind = format!("{:?}", options.integrator).to_lowercase();
+        let message = format!("there is no fixed-point integrator {kind} yet; take path or direct");
+        return Err(Error::Scene(message));
+    }
     let core = CoreScene::new(desc)?;
     let meshes = core.meshes();
     let scene = core.scene(&meshes)?;
     let settings = settings(options);
     let path = integrator(desc, options);
-    let sampler = sampler(options)?;
+    let sampler = sampler(options);
     let renderer = || Renderer::new(&scene, core.camera, path, sampler.clone(), settings);
     let tile_pixels = options.width * options.tile_height.max(1);
     let tiles = options.height.div_ceil(options.tile_height.max(1));
@@ -245,6 +250,11 @@ pub fn render_reference(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
+    if options.integrator == IntegratorKind::Ao {
+        return Err(Error::Scene(
+            "the reference has no integrator ao yet; take path or direct".into(),
+        ));
+    }
     let scene = dequantise::scene(&CoreScene::new(desc)?)?;
     let path = integrator(desc, options);
     let settings = reference::Settings {
@@ -310,7 +320,7 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         &scene,
         core.camera,
         integrator(desc, options),
-        sampler(options)?,
+        sampler(options),
         settings(options),
     );
     Ok(Info {
@@ -358,7 +368,7 @@ const UNLIMITED: u16 = u16::MAX;
 fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     let max_depth = match options.integrator {
         IntegratorKind::Direct => 2,
-        IntegratorKind::Path => options
+        _ => options
             .max_depth
             .map_or(UNLIMITED, |depth| depth.min(u32::from(UNLIMITED)) as u16),
     };
@@ -370,17 +380,14 @@ fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     }
 }
 
-fn sampler(options: &Options) -> Result<AnySampler, Error> {
-    Ok(match options.sampler {
+fn sampler(options: &Options) -> AnySampler {
+    match options.sampler {
         SamplerKind::Independent => Independent::new(options.seed).into(),
         SamplerKind::Stratified => Stratified::new(options.seed, options.spp).into(),
+        SamplerKind::Cmj => Cmj::new(options.seed, options.spp).into(),
         SamplerKind::Sobol => Sobol::new(options.seed).into(),
-        SamplerKind::Cmj => {
-            return Err(Error::Scene(
-                "there is no sampler cmj yet; take stratified or sobol".into(),
-            ));
-        }
-    })
+        SamplerKind::Blue => ZSobol::new(options.seed, options.spp).into(),
+    }
 }
 
 fn pool(threads: usize) -> Result<rayon::ThreadPool, Error> {

@@ -17,9 +17,7 @@ use fixed::types::U0F32;
 #[derive(Clone, Debug)]
 pub struct Sobol {
     seed: u32,
-    /// The sample's index, first bit last: the form in which the hash can scramble it.
-    reversed_index: u32,
-    keys: Keys,
+    point: Padded,
 }
 
 impl Sobol {
@@ -28,8 +26,39 @@ impl Sobol {
     pub fn new(seed: u32) -> Self {
         Self {
             seed,
-            reversed_index: 0,
-            keys: Keys::new(hash(seed, 0, 0, 0)),
+            point: Padded::new(0, hash(seed, 0, 0, 0)),
+        }
+    }
+}
+
+impl Sampler for Sobol {
+    fn start(&mut self, x: u16, y: u16, index: u32) {
+        self.point = Padded::new(index, hash(self.seed, x, y, 0));
+    }
+
+    fn next_1d(&mut self) -> U0F32 {
+        self.point.next_1d()
+    }
+
+    fn next_2d(&mut self) -> [U0F32; 2] {
+        self.point.next_2d()
+    }
+}
+
+/// One point of a padded sequence: the index stays, each draw has a shuffling and a scrambling of its own.
+#[derive(Clone, Debug)]
+pub(super) struct Padded {
+    /// The point's index, first bit last: the form in which the hash can scramble it.
+    reversed_index: u32,
+    keys: Keys,
+}
+
+impl Padded {
+    /// Point number `index` of the sequence that `key` chooses.
+    pub(super) const fn new(index: u32, key: u32) -> Self {
+        Self {
+            reversed_index: index.reverse_bits(),
+            keys: Keys::new(key),
         }
     }
 
@@ -42,20 +71,13 @@ impl Sobol {
     fn scrambled(&mut self, reversed: u32) -> U0F32 {
         U0F32::from_bits(scramble_reversed(reversed, self.keys.draw()).reverse_bits())
     }
-}
 
-impl Sampler for Sobol {
-    fn start(&mut self, x: u16, y: u16, index: u32) {
-        self.reversed_index = index.reverse_bits();
-        self.keys = Keys::new(hash(self.seed, x, y, 0));
-    }
-
-    fn next_1d(&mut self) -> U0F32 {
+    pub(super) fn next_1d(&mut self) -> U0F32 {
         let index = self.shuffled_index();
         self.scrambled(index)
     }
 
-    fn next_2d(&mut self) -> [U0F32; 2] {
+    pub(super) fn next_2d(&mut self) -> [U0F32; 2] {
         // The first dimension of Sobol' is the index with its bits reversed, so that reversed it is the
         // index.
         let index = self.shuffled_index();

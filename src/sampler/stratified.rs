@@ -126,7 +126,7 @@ impl Shape {
 
 /// [0, 2³²) in `count` equal parts, 1 ≤ `count` ≤ 2¹⁵.
 #[derive(Clone, Debug)]
-struct Parts {
+pub(super) struct Parts {
     count: u32,
     /// A part's length, rounded so that 2³² = count·step + r with 1 ≤ r ≤ count.
     step: u32,
@@ -136,7 +136,7 @@ struct Parts {
 
 impl Parts {
     /// A `count` of 0 is taken as 1.
-    fn new(count: u32) -> Self {
+    pub(super) fn new(count: u32) -> Self {
         let count = count.max(1);
         let step = u32::MAX / count;
         let rest = u32::MAX % count + 1;
@@ -155,12 +155,12 @@ impl Parts {
     }
 
     /// The number of part `i` at `jitter`/2³² of its length. Never outside; the last two may be left out.
-    const fn place(&self, i: u32, jitter: u32) -> u32 {
+    pub(super) const fn place(&self, i: u32, jitter: u32) -> u32 {
         self.start(i) + mul_hi(jitter, self.step - 1)
     }
 
     /// Quotient and remainder of `x` by `count`.
-    const fn split(&self, x: u32) -> (u32, u32) {
+    pub(super) const fn split(&self, x: u32) -> (u32, u32) {
         // `step` is at most 1 less than 2³²/count, so the estimate is at most 1 too small.
         let quotient = mul_hi(x, self.step);
         let remainder = x - quotient * self.count;

@@ -219,8 +219,12 @@ pub enum SamplerArg {
     Independent,
     /// One random place in each cell of a grid
     Stratified,
+    /// One random place in each cell, row and column of a grid
+    Cmj,
     /// A scrambled Sobol sequence
     Sobol,
+    /// One Sobol sequence for all pixels, whose errors cancel between neighbours: for 1 to 4 samples
+    Blue,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -305,7 +309,9 @@ impl From<SamplerArg> for SamplerKind {
         match arg {
             SamplerArg::Independent => SamplerKind::Independent,
             SamplerArg::Stratified => SamplerKind::Stratified,
+            SamplerArg::Cmj => SamplerKind::Cmj,
             SamplerArg::Sobol => SamplerKind::Sobol,
+            SamplerArg::Blue => SamplerKind::Blue,
         }
     }
 }

@@ -118,6 +118,7 @@ mod tests {
                 max_depth: Some(8),
                 rr_depth: 5,
                 hide_emitters: false,
+                ao_radius: None,
             },
             camera: CameraDesc {
                 origin: [0.0; 3],

@@ -149,8 +149,11 @@ fn summary(name: &str, options: &Options, stats: &Stats, written: &[String]) -> 
 /// `320 x 240, 64 spp, path`
 pub fn settings(options: &Options) -> String {
     let integrator = match options.integrator {
+        IntegratorKind::Ao => "ao",
         IntegratorKind::Direct => "direct",
         IntegratorKind::Path => "path",
+        IntegratorKind::Bdpt => "bdpt",
+        IntegratorKind::Light => "light",
     };
     let depth = options
         .max_depth

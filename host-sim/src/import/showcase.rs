@@ -77,6 +77,7 @@ fn show(name: String, mesh: MeshDesc) -> Option<SceneDesc> {
             max_depth: Some(5),
             rr_depth: 5,
             hide_emitters: false,
+            ao_radius: None,
         },
         camera,
         materials: vec![material("surface", 0.7), material("floor", 0.4)],

@@ -170,7 +170,7 @@ impl<'a> World<'a> {
             let Some(arrival) = light.sample(surface.point, u) else {
                 continue;
             };
-            let scattered = material.eval(surface, arrival.wi);
+            let (scattered, pdf) = material.eval(surface, arrival.wi);
             if scattered == Rgb::ZERO {
                 continue;
             }
@@ -179,7 +179,7 @@ impl<'a> World<'a> {
                 continue;
             }
             let weight = match arrival.pdf {
-                Some(pdf) => power_heuristic(pdf, material.pdf(surface, arrival.wi)),
+                Some(light_pdf) => power_heuristic(light_pdf, pdf),
                 None => 1.0,
             };
             sum += scattered * arrival.weight * weight;

@@ -19,9 +19,10 @@ mod tree;
 mod vec;
 mod warp;
 
+pub use bsdf::{Bounce, Surface};
 pub use camera::primary_ray;
 pub use mesh::{Mesh, TriangleHit};
 pub use render::{Estimator, Image, Rendering, Settings, render};
-pub use scene::{Camera, Geometry, Lens, Light, Material, Ray, Scene, Shape, extent};
+pub use scene::{Camera, Geometry, Lens, Light, Material, OrenNayarModel, Ray, Scene, Shape, extent};
 pub use shape::{Hit, closest, occluded};
 pub use vec::{Rgb, Vec3, vec3};

@@ -80,14 +80,62 @@ pub enum Material {
     Diffuse { reflectance: Rgb, two_sided: bool },
     /// Perfect mirror without Fresnel. One-sided: black seen from behind.
     Mirror { reflectance: Rgb, two_sided: bool },
+    /// Smooth metal of index `eta` + i `k` relative to what is before it. One-sided: black seen from behind.
+    Conductor {
+        reflectance: Rgb,
+        eta: Rgb,
+        k: Rgb,
+        two_sided: bool,
+    },
+    /// Metal of GGX facets; `eta_k` none for facets that are perfect mirrors. One-sided: black seen from behind.
+    RoughConductor {
+        alpha: f64,
+        reflectance: Rgb,
+        eta_k: Option<(Rgb, Rgb)>,
+        two_sided: bool,
+    },
     /// Smooth boundary; `eta` is the index of refraction behind the normal over the one before it.
     Dielectric {
         eta: f64,
         specular_reflectance: Rgb,
         specular_transmittance: Rgb,
     },
+    /// Boundary of GGX facets; `eta` as above, other than 1.
+    RoughDielectric {
+        alpha: f64,
+        eta: f64,
+        specular_reflectance: Rgb,
+        specular_transmittance: Rgb,
+    },
+    /// Rough diffuse; `sigma` is the standard deviation of the facets' slope angle in radians, 0 to π/2. One-sided: black seen
+    /// from behind.
+    OrenNayar {
+        reflectance: Rgb,
+        sigma: f64,
+        model: OrenNayarModel,
+        two_sided: bool,
+    },
+    /// With kd, ks, n the fields in turn and H the half vector: f = kd/π + ks (n+8)/(8π) (N·H)ⁿ where `normalized`, else
+    /// f cosθi = kd/π cosθi + ks/π (N·H)ⁿ. One-sided: black seen from behind.
+    BlinnPhong {
+        diffuse: Rgb,
+        specular: Rgb,
+        exponent: f64,
+        normalized: bool,
+        two_sided: bool,
+    },
     /// Reflects nothing: for shapes that only emit.
     Black,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrenNayarModel {
+    /// The 1994 paper's, with its interreflection term.
+    Full,
+    /// Its section 4.4.
+    Qualitative,
+    /// EON (2025), of roughness `sigma` / (π/2).
+    EnergyPreserving,
 }
 
 #[derive(Clone, Copy, Debug)]

@@ -89,12 +89,24 @@ impl Vec3 {
     ///
     /// Frame of Duff et al., "Building an Orthonormal Basis, Revisited" (JCGT 2017), listing 3.
     pub fn frame_to_world(self, local: Vec3) -> Vec3 {
+        let [tangent, bitangent] = self.tangents();
+        tangent * local.x + bitangent * local.y + self * local.z
+    }
+
+    /// The inverse of `frame_to_world`.
+    pub fn frame_to_local(self, world: Vec3) -> Vec3 {
+        let [tangent, bitangent] = self.tangents();
+        vec3(tangent.dot(world), bitangent.dot(world), self.dot(world))
+    }
+
+    fn tangents(self) -> [Vec3; 2] {
         let sign = 1f64.copysign(self.z);
         let a = -1.0 / (sign + self.z);
         let b = self.x * self.y * a;
-        let tangent = vec3(1.0 + sign * self.x * self.x * a, sign * b, -sign * self.x);
-        let bitangent = vec3(b, sign + self.y * self.y * a, -self.y);
-        tangent * local.x + bitangent * local.y + self * local.z
+        [
+            vec3(1.0 + sign * self.x * self.x * a, sign * b, -sign * self.x),
+            vec3(b, sign + self.y * self.y * a, -self.y),
+        ]
     }
 }
 
@@ -186,6 +198,9 @@ mod tests {
             let y = normal.frame_to_world(vec3(0.0, 1.0, 0.0));
             assert!((x.cross(y) - normal).length() < 1e-15);
             assert!((x.length() - 1.0).abs() < 1e-15 && (y.length() - 1.0).abs() < 1e-15);
+            let v = vec3(0.3, -0.2, 0.7);
+            let back = normal.frame_to_local(normal.frame_to_world(v));
+            assert!((back - v).length() < 1e-15);
         }
     }
 }

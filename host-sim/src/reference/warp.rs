@@ -24,12 +24,8 @@ pub fn cosine_hemisphere(u: [f64; 2]) -> Vec3 {
     vec3(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 
-/// Density 1/(2π) over the hemisphere around +z.
-pub fn uniform_hemisphere(u: [f64; 2]) -> Vec3 {
-    cone(u, 1.0)
-}
-
-/// Uniform over the cone around +z whose half angle has the cosine 1 − `one_minus_cos`; density 1/(2π `one_minus_cos`).
+/// Uniform over the cone around +z whose half angle has the cosine 1 − `one_minus_cos`; density 1/(2π `one_minus_cos`). 1 is
+/// the hemisphere, 2 the sphere.
 pub fn cone([u, v]: [f64; 2], one_minus_cos: f64) -> Vec3 {
     let height = u * one_minus_cos;
     let radius = (height * (2.0 - height)).max(0.0).sqrt();

@@ -3,6 +3,7 @@
 mod errors;
 mod material;
 mod mesh;
+mod own;
 mod picture;
 mod shape;
 

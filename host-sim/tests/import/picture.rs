@@ -199,6 +199,7 @@ fn integrators_and_samplers() {
         max_depth: None,
         rr_depth: 5,
         hide_emitters: false,
+        ao_radius: None,
     };
     assert_eq!(path.integrator, expected);
     let short = read("<integrator type=\"path\"><integer name=\"max_depth\" value=\"3\"/><integer name=\"rr_depth\" value=\"2\"/><boolean name=\"hide_emitters\" value=\"true\"/></integrator>").unwrap().scene;
@@ -207,6 +208,7 @@ fn integrators_and_samplers() {
         max_depth: Some(3),
         rr_depth: 2,
         hide_emitters: true,
+        ao_radius: None,
     };
     assert_eq!(short.integrator, expected);
     let direct = read("<integrator type=\"direct\"/>").unwrap().scene;

@@ -5,9 +5,9 @@ use super::super::{ImportError, picture};
 use super::color::Quantity;
 use super::params::{Context, Params};
 use super::tree::Element;
-use crate::desc::{LightDesc, Vec3};
+use crate::desc::{LightDesc, SunDesc, Vec3};
 
-const KINDS: [&str; 4] = ["point", "directional", "constant", "envmap"];
+const KINDS: [&str; 5] = ["point", "directional", "constant", "gradient", "envmap"];
 
 /// The light; `None` for one that is left out with a warning.
 pub(super) fn read<'a>(
@@ -42,6 +42,7 @@ pub(super) fn read<'a>(
         "constant" => LightDesc::Constant {
             radiance: emission(&params, "radiance")?,
         },
+        "gradient" => gradient(&params)?,
         "envmap" => environment(&params)?,
         "area" => {
             context.refuse(element, "an area emitter is part of a shape; move it into one")?;
@@ -68,6 +69,77 @@ fn one_of(params: &Params, name: &'static str) -> Result<(Option<Vec3>, Affine),
             .error(format!("both {name} and to_world are given; keep one"))),
         (given, to_world) => Ok((given, to_world.unwrap_or(Affine::IDENTITY))),
     }
+}
+
+/// Our own: zenith, horizon, ground (the horizon's where it is not given), `up` or `to_world` (which turns +y up, and the
+/// sun with it), and the sun where it has a direction.
+fn gradient(params: &Params) -> Result<LightDesc, ImportError> {
+    let element = params.element;
+    let (up, to_world) = one_of(params, "up")?;
+    if !to_world.uniform_scale().is_some_and(|scale| alike(scale, 1.0)) {
+        return Err(element.error("a gradient can be turned but not scaled; leave the scale out"));
+    }
+    let up = up.unwrap_or(to_world.vector([0.0, 1.0, 0.0]));
+    let up = unit(up).ok_or_else(|| element.error("up is zero; point it somewhere, such as 0, 1, 0"))?;
+    let needed = |name: &'static str| {
+        params.color(name, Quantity::Emission)?.ok_or_else(|| {
+            element.error(format!(
+                "gradient needs its {name}; add <rgb name=\"{name}\" value=\"...\"/>"
+            ))
+        })
+    };
+    let (zenith, horizon) = (needed("zenith")?, needed("horizon")?);
+    let ground = params.color("ground", Quantity::Emission)?.unwrap_or(horizon);
+    let sun = sun(params, &to_world)?;
+    Ok(LightDesc::Gradient {
+        zenith,
+        horizon,
+        ground,
+        up,
+        sun,
+    })
+}
+
+fn sun(params: &Params, to_world: &Affine) -> Result<Option<SunDesc>, ImportError> {
+    let element = params.element;
+    let direction = params.triple("sun_direction")?;
+    let radiance = params.color("sun_radiance", Quantity::Emission)?;
+    let irradiance = params.color("sun_irradiance", Quantity::Emission)?;
+    let angle = params.checked("sun_angle", "above 0 and at most 90 degrees", |a| {
+        a > 0.0 && a <= 90.0
+    })?;
+    let Some(direction) = direction else {
+        return if radiance.or(irradiance).is_some() || angle.is_some() {
+            let message =
+                "the sun has no direction; add <vector name=\"sun_direction\" value=\"...\"/>, towards it";
+            Err(element.error(message))
+        } else {
+            Ok(None)
+        };
+    };
+    let direction = unit(to_world.vector(direction))
+        .ok_or_else(|| element.error("sun_direction is zero; point it at the sun"))?;
+    // The sun's own diameter on an average day.
+    let angle = angle.unwrap_or(0.533);
+    let radiance = match (radiance, irradiance) {
+        (Some(radiance), None) => radiance,
+        (None, Some(irradiance)) => {
+            let sin = (angle.to_radians() / 2.0).sin();
+            irradiance.map(|e| e / (std::f64::consts::PI * sin * sin))
+        }
+        (Some(_), Some(_)) => {
+            return Err(element.error("both sun_radiance and sun_irradiance are given; keep one"));
+        }
+        (None, None) => {
+            let message = "the sun gives no light; add <rgb name=\"sun_irradiance\" value=\"...\"/>";
+            return Err(element.error(message));
+        }
+    };
+    Ok(Some(SunDesc {
+        direction,
+        radiance,
+        angle,
+    }))
 }
 
 fn environment(params: &Params) -> Result<LightDesc, ImportError> {

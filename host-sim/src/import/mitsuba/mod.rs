@@ -6,6 +6,7 @@
 mod bsdf;
 mod color;
 mod emitter;
+mod implicit;
 mod params;
 mod sensor;
 mod shape;
@@ -43,6 +44,7 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
                 max_depth: None,
                 rr_depth: 5,
                 hide_emitters: false,
+                ao_radius: None,
             }
         }
     };
@@ -59,8 +61,12 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
     let mut lights = Vec::new();
     for emitter in params.objects("emitter")? {
         let light = emitter::read(emitter, context)?;
-        let surrounds =
-            |light: &LightDesc| matches!(light, LightDesc::Constant { .. } | LightDesc::EnvMap { .. });
+        let surrounds = |light: &LightDesc| {
+            matches!(
+                light,
+                LightDesc::Constant { .. } | LightDesc::Gradient { .. } | LightDesc::EnvMap { .. }
+            )
+        };
         if light.as_ref().is_some_and(surrounds) && lights.iter().any(surrounds) {
             return Err(emitter.error("a second emitter that surrounds the scene; keep one"));
         }
@@ -85,30 +91,43 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
     })
 }
 
+const INTEGRATORS: [&str; 5] = ["path", "direct", "ao", "bdpt", "light"];
+
 fn read_integrator<'a>(element: &'a Element, context: &Context<'a>) -> Result<IntegratorDesc, ImportError> {
     let params = Params::new(context, element);
-    let hide_emitters = params.boolean("hide_emitters")?.unwrap_or(false);
-    if element.kind() == "direct" {
+    let mut integrator = IntegratorDesc {
+        kind: IntegratorKind::Path,
+        max_depth: None,
+        rr_depth: 5,
+        hide_emitters: false,
+        ao_radius: None,
+    };
+    if element.kind() == "ao" {
+        integrator.kind = IntegratorKind::Ao;
+        integrator.ao_radius = params.positive("radius")?;
         params.finish()?;
-        return Ok(IntegratorDesc {
-            kind: IntegratorKind::Direct,
-            max_depth: Some(2),
-            rr_depth: 5,
-            hide_emitters,
-        });
+        return Ok(integrator);
     }
-    if element.kind() != "path" {
-        context.refuse_kind(element, &["path", "direct"])?;
+    integrator.hide_emitters = params.boolean("hide_emitters")?.unwrap_or(false);
+    if element.kind() == "direct" {
+        integrator.kind = IntegratorKind::Direct;
+        integrator.max_depth = Some(2);
+        params.finish()?;
+        return Ok(integrator);
     }
+    integrator.kind = match element.kind() {
+        "bdpt" => IntegratorKind::Bdpt,
+        "light" => IntegratorKind::Light,
+        "path" => IntegratorKind::Path,
+        _ => {
+            context.refuse_kind(element, &INTEGRATORS)?;
+            IntegratorKind::Path
+        }
+    };
     // -1 is Mitsuba's word for no limit.
     let max_depth = params.integer("max_depth", -1..=1 << 16)?.unwrap_or(-1);
-    let rr_depth = params.integer("rr_depth", 1..=1 << 16)?.unwrap_or(5);
+    integrator.max_depth = u32::try_from(max_depth).ok();
+    integrator.rr_depth = params.integer("rr_depth", 1..=1 << 16)?.unwrap_or(5) as u32;
     params.finish()?;
-    let max_depth = u32::try_from(max_depth).ok();
-    Ok(IntegratorDesc {
-        kind: IntegratorKind::Path,
-        max_depth,
-        rr_depth: rr_depth as u32,
-        hide_emitters,
-    })
+    Ok(integrator)
 }

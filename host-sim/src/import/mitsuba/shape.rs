@@ -1,4 +1,5 @@
-//! `<shape>`: spheres, disks, rectangles, cubes and mesh files, with their material and what they emit.
+//! `<shape>`: spheres, disks, rectangles, cubes and mesh files, with their material and what they emit; `implicit` reads
+//! the rest.
 
 use super::super::math::{
     Affine, add, alike, cross, dot, length, perpendicular, perpendicular_enough, scaled, unit,
@@ -7,11 +8,25 @@ use super::super::mesh::Placement;
 use super::super::{ImportError, read_mesh};
 use super::bsdf::Materials;
 use super::color::Quantity;
+use super::implicit;
 use super::params::{Context, Params};
 use super::tree::Element;
 use crate::desc::{GeometryDesc, MeshDesc, ShapeDesc, Vec3};
 
-const KINDS: [&str; 6] = ["sphere", "rectangle", "disk", "cube", "obj", "ply"];
+const KINDS: [&str; 12] = [
+    "sphere",
+    "rectangle",
+    "disk",
+    "cube",
+    "obj",
+    "ply",
+    "torus",
+    "capsule",
+    "roundedbox",
+    "gyroid",
+    "metaballs",
+    "smoothunion",
+];
 
 /// What all kinds of shape have.
 struct Common<'a> {
@@ -56,6 +71,13 @@ pub(super) fn read<'a>(
         "rectangle" => vec![(String::new(), rectangle(&common))],
         "disk" => vec![(String::new(), disk(&common)?)],
         "cube" => cube(&common),
+        kind if implicit::KINDS.contains(&kind) => {
+            let solid = implicit::read(element, &common.to_world, &params, context)?;
+            if common.flip_normals {
+                material = turn_inside_out(&common, material, emission, materials)?;
+            }
+            vec![(String::new(), GeometryDesc::Implicit(solid))]
+        }
         _ => vec![(String::new(), mesh(&common, &params, context)?)],
     };
     params.finish()?;
@@ -105,7 +127,7 @@ fn sphere(common: &Common, params: &Params) -> Result<(GeometryDesc, bool), Impo
     Ok((geometry, common.flip_normals != mirrored))
 }
 
-/// A sphere's normals point outwards here; the other way round it can only be where the material says it all.
+/// A solid's normals point outwards here; the other way round it can only be where the material says it all.
 fn turn_inside_out(
     common: &Common,
     material: usize,
@@ -113,9 +135,11 @@ fn turn_inside_out(
     materials: &mut Materials,
 ) -> Result<usize, ImportError> {
     materials.inside_out(material).filter(|_| emission.is_none()).ok_or_else(|| {
-        let message = "a sphere turned inside out (flip_normals, or a mirroring scale) is supported only with a \
-                       twosided or dielectric bsdf and no emitter; turn it back";
-        common.element.error(message)
+        let kind = common.element.kind();
+        common.element.error(format!(
+            "a {kind} turned inside out (flip_normals, or a mirroring scale) is supported only with a twosided or \
+             dielectric bsdf and no emitter; turn it back"
+        ))
     })
 }
 
