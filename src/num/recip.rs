@@ -68,3 +68,11 @@ pub fn ratio(a: u32, b: u32) -> u32 {
     let half = mul_hi(a << (63 - r.shift), r.mantissa);
     half.min((1 << 31) - 1) << 1
 }
+
+/// 2^31/b, to 2^-15 of it, for b in 2^15 ..= 2^16 − 1: the table's guess, one Newton step.
+#[inline(always)]
+pub(crate) const fn short_recip(b: u32) -> i32 {
+    let r = TABLE[((b >> 8) & 127) as usize] as i32;
+    let e = (1i32 << 31).wrapping_sub(b.wrapping_mul(r as u32) as i32);
+    r + ((r * (e >> 9)) >> 22)
+}
