@@ -2,9 +2,8 @@
 
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
-use crate::film::Tile;
-use crate::geom::Ray;
-use crate::integrator::{Features, Path, features};
+use crate::film::{Exposure, Tile};
+use crate::integrator::{Features, Integrator, NoSplats, Path, SplatSink, View, features};
 use crate::num::Uniform;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -21,11 +20,13 @@ pub struct Settings {
 }
 
 /// Renders a picture tile by tile; constant settings, and a sampler and a place that move.
+///
+/// An integrator whose light arrives anywhere in the picture exposes a whole frame instead: [`Self::expose`].
 #[derive(Clone, Debug)]
-pub struct Renderer<'s, S> {
+pub struct Renderer<'s, S, I = Path> {
     scene: &'s Scene<'s>,
     film: FilmPlane,
-    integrator: Path,
+    integrator: I,
     settings: Settings,
     sampler: S,
     /// Pixels done, row by row.
@@ -33,14 +34,8 @@ pub struct Renderer<'s, S> {
     rays: u32,
 }
 
-impl<'s, S: Sampler> Renderer<'s, S> {
-    pub fn new(
-        scene: &'s Scene<'s>,
-        camera: Camera,
-        integrator: Path,
-        sampler: S,
-        settings: Settings,
-    ) -> Self {
+impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
+    pub fn new(scene: &'s Scene<'s>, camera: Camera, integrator: I, sampler: S, settings: Settings) -> Self {
         let film = camera.film(settings.width, settings.height);
         Renderer {
             scene,
@@ -55,6 +50,12 @@ impl<'s, S: Sampler> Renderer<'s, S> {
 
     /// The mean radiance of one pixel: the same whoever renders it, and when.
     pub fn pixel(&mut self, x: u16, y: u16) -> Radiance {
+        const {
+            assert!(
+                !I::NEEDS_SPLATS,
+                "this integrator needs a whole frame: Renderer::expose"
+            )
+        };
         let mut sum = [0u64; 3];
         let spp = self.settings.spp.clamp(1, 1 << 16);
         for index in 0..spp {
@@ -62,17 +63,39 @@ impl<'s, S: Sampler> Renderer<'s, S> {
             let place = self.sampler.next_2d();
             let lens = self.sampler.next_2d();
             if let Some(ray) = self.film.ray(x, y, place, lens) {
-                let sample = self.radiance(ray).to_q32();
+                let view = View {
+                    scene: self.scene,
+                    film: &self.film,
+                };
+                let light =
+                    self.integrator
+                        .radiance(&view, ray, &mut self.sampler, &mut NoSplats, &mut self.rays);
+                let sample = light.to_q32();
                 sum = [sum[0] + sample[0], sum[1] + sample[1], sum[2] + sample[2]];
             }
         }
         mean_q32(sum, spp)
     }
 
-    #[inline]
-    fn radiance(&mut self, ray: Ray) -> Radiance {
-        self.integrator
-            .radiance(self.scene, ray, &mut self.sampler, &mut self.rays)
+    /// Renders one pixel of a whole frame: what its samples bring, there and elsewhere.
+    ///
+    /// With every pixel rendered once, by whichever cores, the frame over [`Settings::spp`] is the picture.
+    pub fn expose(&mut self, x: u16, y: u16, splats: &mut impl SplatSink) {
+        let view = View {
+            scene: self.scene,
+            film: &self.film,
+        };
+        for index in 0..self.settings.spp.clamp(1, 1 << 16) {
+            self.sampler.start(x, y, index);
+            let place = self.sampler.next_2d();
+            let lens = self.sampler.next_2d();
+            if let Some(ray) = self.film.ray(x, y, place, lens) {
+                let light = self
+                    .integrator
+                    .radiance(&view, ray, &mut self.sampler, splats, &mut self.rays);
+                splats.add(x, y, light);
+            }
+        }
     }
 
     /// Rays asked of the scene so far, wrapping: nearest hits and shadow rays.
@@ -139,5 +162,14 @@ impl<'s, S: Sampler> Renderer<'s, S> {
 
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+}
+
+impl SplatSink for Exposure<'_> {
+    const EXISTS: bool = true;
+
+    #[inline]
+    fn add(&mut self, x: u16, y: u16, light: Radiance) {
+        Exposure::add(self, x, y, light);
     }
 }

@@ -11,11 +11,13 @@ mod color;
 mod curve;
 mod display;
 mod dither;
+mod exposure;
 mod tile;
 mod tonemap;
 
 pub use color::DisplayColor;
 pub use display::{Display, Stops};
 pub use dither::Dither;
+pub use exposure::Exposure;
 pub use tile::Tile;
 pub use tonemap::{Tone, ToneMap};

@@ -1,9 +1,15 @@
 //! Light transport: what radiance comes back along a ray.
 
+mod ambient_occlusion;
+mod bdpt;
 mod features;
+mod integrate;
 mod mis;
 mod path;
 
+pub use ambient_occlusion::AmbientOcclusion;
+pub use bdpt::{Bdpt, Strategy, Tally};
 pub use features::{Features, features};
+pub use integrate::{Integrator, NoSplats, SplatSink, View};
 pub use mis::power_heuristic;
 pub use path::Path;

@@ -1,4 +1,4 @@
-use super::power_heuristic;
+use super::{Integrator, SplatSink, View, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::light::choose;
@@ -160,5 +160,19 @@ impl Path {
         }
         let pdf = sample.pdf / count;
         arriving.scale(power_heuristic(pdf, bsdf_pdf) / pdf)
+    }
+}
+
+impl Integrator for Path {
+    #[inline]
+    fn radiance(
+        &self,
+        view: &View,
+        ray: Ray,
+        sampler: &mut impl Sampler,
+        _: &mut impl SplatSink,
+        rays: &mut u32,
+    ) -> Radiance {
+        Path::radiance(self, view.scene, ray, sampler, rays)
     }
 }

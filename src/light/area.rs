@@ -3,7 +3,7 @@ use crate::color::Radiance;
 use crate::geom::{Dir, Frame, Point};
 use crate::num::{ONE_Q16, Turn, Uniform, Wide, isqrt, mul_q16, recip, sin_cos};
 use crate::sampler::warp;
-use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere};
+use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere, Surface};
 
 /// A direction from `from` towards a point drawn on an emitter; `None` where it shows its dark side.
 ///
@@ -15,8 +15,42 @@ pub fn sample_area(
     from: Point,
     u: [Uniform; 2],
 ) -> Option<LightSample> {
+    if let Emitter::Shape(Geometry::Sphere(sphere)) = emitter {
+        return sample_sphere(sphere, radiance, from, u);
+    }
+    let FlatPlace {
+        target,
+        normal,
+        lift,
+        area,
+    } = flat_place(emitter, u)?;
+    let (wi, norm) = from.to(target).normalize()?;
+    let cos = -wi.dot(normal);
+    if cos <= 0 {
+        return None;
+    }
+    Some(LightSample {
+        wi,
+        distance: short_of(norm.length(), lift, cos),
+        radiance,
+        pdf: norm.square() / (area * Wide::from_q16(cos)),
+        shape: None,
+        triangle: 0,
+    })
+}
+
+/// A place drawn on a flat emitter, uniform by area.
+struct FlatPlace {
+    target: Point,
+    normal: Dir,
+    lift: i32,
+    /// 1 over the place's density, units²: of a triangle, its area over the chance that just it is drawn.
+    area: Wide,
+}
+
+#[inline]
+fn flat_place(emitter: Emitter, u: [Uniform; 2]) -> Option<FlatPlace> {
     let (target, normal, lift, area) = match emitter {
-        Emitter::Shape(Geometry::Sphere(sphere)) => return sample_sphere(sphere, radiance, from, u),
         Emitter::Shape(Geometry::Disk(disk)) => {
             let Disk {
                 center,
@@ -44,7 +78,7 @@ pub fn sample_area(
                 .along(t, mul_q16(half[1], signed(u[1])));
             (target, normal, LIFT, rectangle.area())
         }
-        Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_)) => return None,
+        Emitter::Shape(Geometry::Sphere(_) | Geometry::Plane(_) | Geometry::Mesh(_)) => return None,
         Emitter::Triangle {
             corners: [a, b, c],
             normal,
@@ -58,18 +92,45 @@ pub fn sample_area(
             (Point([mix(0), mix(1), mix(2)]), normal, lift, area / chance)
         }
     };
-    let (wi, norm) = from.to(target).normalize()?;
-    let cos = -wi.dot(normal);
-    if cos <= 0 {
-        return None;
-    }
-    Some(LightSample {
-        wi,
-        distance: short_of(norm.length(), lift, cos),
-        radiance,
-        pdf: norm.square() / (area * Wide::from_q16(cos)),
-        shape: None,
+    Some(FlatPlace {
+        target,
+        normal,
+        lift,
+        area,
     })
+}
+
+/// A place drawn on an emitter, uniform by area, as light leaves it; and 1 over its density, units².
+///
+/// As [`sample_area`] for flat shapes and triangles; on spheres all over.
+pub fn sample_surface(emitter: Emitter, u: [Uniform; 2]) -> Option<(Surface, Wide)> {
+    if let Emitter::Shape(Geometry::Sphere(sphere)) = emitter {
+        let normal = warp::sample_sphere(u);
+        let surface = Surface {
+            point: sphere.center.along(normal, sphere.radius),
+            normal,
+            lift: sphere.lift(),
+        };
+        return Some((surface, surface_area(emitter)));
+    }
+    let place = flat_place(emitter, u)?;
+    let surface = Surface {
+        point: place.target,
+        normal: place.normal,
+        lift: place.lift,
+    };
+    Some((surface, place.area))
+}
+
+/// 1 over the density with which [`sample_surface`] draws any place on an emitter, units².
+pub fn surface_area(emitter: Emitter) -> Wide {
+    match emitter {
+        Emitter::Shape(Geometry::Sphere(sphere)) => sphere.radius_squared() * Wide::PI.shl(2),
+        Emitter::Shape(Geometry::Disk(disk)) => disk.area(),
+        Emitter::Shape(Geometry::Rectangle(rectangle)) => rectangle.area(),
+        Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_)) => Wide::ZERO,
+        Emitter::Triangle { area, chance, .. } => area / chance,
+    }
 }
 
 /// The density with which [`sample_area`] would have drawn `wi`, which meets the emitter `distance` units away.
@@ -101,7 +162,7 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
 ///
 /// A length is known to 2^-13: two directions' and one root's 2^-14 at most.
 #[inline]
-fn short_of(length: i32, lift: i32, cos: i32) -> i32 {
+pub(crate) fn short_of(length: i32, lift: i32, cos: i32) -> i32 {
     let slant = recip(cos as u32).times(lift, 16).min(length);
     length - (length >> 12) - slant
 }
@@ -167,5 +228,6 @@ fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 
         radiance,
         pdf: cone.pdf(),
         shape: None,
+        triangle: 0,
     })
 }

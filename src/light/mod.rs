@@ -2,13 +2,16 @@
 //! trace rays.
 
 mod area;
+mod emit;
 
 use crate::color::Radiance;
 use crate::geom::{Dir, FAR, Point};
 use crate::num::{Uniform, Wide};
 use crate::shape::Geometry;
 
-pub use area::{pdf_area, sample_area};
+pub(crate) use area::short_of;
+pub use area::{pdf_area, sample_area, sample_surface, surface_area};
+pub use emit::{Emission, POINT_DENSITY, area_density, emit_area, emit_point};
 
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +40,8 @@ pub struct LightSample {
     pub pdf: Wide,
     /// The sphere that the light is: it does not stand in its own way, however the distance was rounded at its rim.
     pub shape: Option<u16>,
+    /// The triangle that was drawn, 0 where the light is no mesh.
+    pub triangle: u32,
 }
 
 impl LightSample {
@@ -62,6 +67,7 @@ pub fn sample_point(
         radiance: intensity.scale(square.recip()),
         pdf: Wide::ZERO,
         shape: None,
+        triangle: 0,
     })
 }
 
@@ -74,6 +80,7 @@ pub fn sample_directional(direction: Dir, irradiance: Radiance) -> LightSample {
         radiance: irradiance,
         pdf: Wide::ZERO,
         shape: None,
+        triangle: 0,
     }
 }
 

@@ -113,6 +113,24 @@ impl Material {
         }
     }
 
+    /// The squared ratio of refractive indices crossed between two directions, the one's of `wi` over that of `wo`; 1 on
+    /// one side.
+    ///
+    /// It turns what [`Self::eval`] and [`Self::sample`] say of radiance into what they say of light on its way from `wo`
+    /// to `wi` (Veach 1997, equation 5.14).
+    #[inline]
+    pub fn eta_squared(&self, local: &Local, wi: Dir) -> Wide {
+        let side = |w: Dir| w.dot_q24(local.normal) >= 0;
+        match self {
+            Material::Dielectric(dielectric) if side(local.wo) != side(wi) => {
+                let eta = Wide::from_q16(dielectric.eta().to_bits());
+                let squared = eta * eta;
+                if side(wi) { squared.recip() } else { squared }
+            }
+            _ => Wide::ONE,
+        }
+    }
+
     /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.
     #[inline]
     pub fn sample(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {

@@ -57,3 +57,11 @@ pub fn recip(x: u32) -> Recip {
         shift: 63 - zeros,
     }
 }
+
+/// 2^31/b, to 2^-15 of it, for b in 2^15 ..= 2^16 − 1: the table's guess, one Newton step.
+#[inline(always)]
+pub(crate) const fn short_recip(b: u32) -> i32 {
+    let r = TABLE[((b >> 8) & 127) as usize] as i32;
+    let e = (1i32 << 31).wrapping_sub(b.wrapping_mul(r as u32) as i32);
+    r + ((r * (e >> 9)) >> 22)
+}

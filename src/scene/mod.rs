@@ -10,6 +10,7 @@ mod arrange;
 mod builder;
 pub mod builtin;
 mod check;
+mod emit;
 mod query;
 
 use crate::bvh::Node;
@@ -195,7 +196,9 @@ impl<'a> Scene<'a> {
                 };
                 let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
                 let (triangle, rest) = light::choose(u[0], count);
-                light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])
+                let sample =
+                    light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])?;
+                Some(LightSample { triangle, ..sample })
             }
             Light::Environment { .. } => None,
         }
@@ -208,12 +211,20 @@ impl<'a> Scene<'a> {
             return Wide::ZERO;
         };
         debug_assert_eq!(shape.light, Some(light));
+        self.shape_pdf(from, wi, hit) / Wide::new(self.light_count, 0)
+    }
+
+    /// The same if the light is chosen already.
+    #[inline]
+    fn shape_pdf(&self, from: Point, wi: Dir, hit: &Hit) -> Wide {
+        let Some(shape) = self.parts.shapes.get(hit.shape as usize) else {
+            return Wide::ZERO;
+        };
         let emitter = match shape.geometry {
             Geometry::Mesh(mesh) => self.triangle(mesh, hit.triangle),
             _ => Some(Emitter::Shape(&shape.geometry)),
         };
-        let pdf = emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t));
-        pdf / Wide::new(self.light_count, 0)
+        emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t))
     }
 
     /// A triangle as one of its mesh's, any of which may be drawn.

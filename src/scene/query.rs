@@ -4,7 +4,7 @@ use super::{Hit, Scene};
 use crate::bvh::{self, Visitor, traverse};
 use crate::geom::{FAR, Ray};
 use crate::light::Light;
-use crate::shape::{Geometry, GridRay, Slopes};
+use crate::shape::{Geometry, GridRay, Sight, Slopes};
 use core::ops::ControlFlow;
 
 /// Closed forms that are tested in turn without a tree.
@@ -75,7 +75,7 @@ impl Scene<'_> {
         if self.is_small() {
             return self.any_of(0, ray, distance, except);
         }
-        if self.any_of(self.bounded(), ray, distance, except) {
+        if self.bounded() < self.parts.shapes.len() && self.any_of(self.bounded(), ray, distance, except) {
             return true;
         }
         let slopes = Slopes::new(ray.dir);
@@ -145,18 +145,48 @@ impl Scene<'_> {
     }
 
     /// Whether a closed form from place `first` on is met within `distance`.
+    #[inline]
     fn any_of(&self, first: usize, ray: &Ray, distance: i32, except: usize) -> bool {
-        let shapes = self.parts.shapes.iter().enumerate().skip(first);
-        shapes
-            .filter(|(index, _)| *index != except)
-            .any(|(_, s)| s.geometry.intersect(ray, distance).is_some())
+        let sight = Sight::new(ray.dir);
+        match sight.axis {
+            0 => self.any_seen::<0>(first, ray, &sight, distance, except),
+            1 => self.any_seen::<1>(first, ray, &sight, distance, except),
+            _ => self.any_seen::<2>(first, ray, &sight, distance, except),
+        }
     }
 
+    fn any_seen<const K: usize>(
+        &self,
+        first: usize,
+        ray: &Ray,
+        sight: &Sight,
+        distance: i32,
+        except: usize,
+    ) -> bool {
+        for (index, shape) in self.parts.shapes.iter().enumerate().skip(first) {
+            let found = shape.geometry.intersect_next::<K>(ray, sight, distance);
+            if found.is_some() && index != except {
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline]
     fn closest_of_few(&self, ray: &Ray) -> Option<Hit> {
+        let sight = Sight::new(ray.dir);
+        match sight.axis {
+            0 => self.closest_seen::<0>(ray, &sight),
+            1 => self.closest_seen::<1>(ray, &sight),
+            _ => self.closest_seen::<2>(ray, &sight),
+        }
+    }
+
+    fn closest_seen<const K: usize>(&self, ray: &Ray, sight: &Sight) -> Option<Hit> {
         let mut t_max = FAR + 1;
         let mut nearest = None;
         for (index, shape) in self.parts.shapes.iter().enumerate() {
-            if let Some(t) = shape.geometry.intersect(ray, t_max) {
+            if let Some(t) = shape.geometry.intersect_next::<K>(ray, sight, t_max) {
                 t_max = t;
                 nearest = Some(index as u16);
             }

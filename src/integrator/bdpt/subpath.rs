@@ -1,0 +1,114 @@
+//! Vertices of subpaths, and how they look from either side.
+
+use super::weight::Partial;
+use crate::color::Radiance;
+use crate::geom::{Dir, Ray};
+use crate::material::{BsdfSample, Local};
+use crate::num::{Uniform, Wide};
+use crate::scene::Vertex;
+
+/// Where a subpath met a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct PathVertex<'a> {
+    pub vertex: Vertex<'a>,
+    /// Of the subpath up to here, over its density: of importance, or of light.
+    pub throughput: Radiance,
+    pub partial: Partial,
+    /// Segments from the subpath's beginning.
+    pub depth: u16,
+}
+
+impl PathVertex<'_> {
+    /// What the surface passes on from `vertex.wo`'s end to `dir` of radiance that comes from `dir`, times the cosine
+    /// there; and the density of that direction.
+    #[inline]
+    pub fn eval(&self, dir: Dir) -> Option<(Radiance, Wide)> {
+        self.vertex.material.eval(&self.vertex.local(), dir)
+    }
+
+    /// The same of light that comes from `vertex.wo`'s end.
+    #[inline]
+    pub fn eval_light(&self, dir: Dir) -> Option<(Radiance, Wide)> {
+        let (value, pdf) = self.eval(dir)?;
+        let scale = self.vertex.material.eta_squared(&self.vertex.local(), dir);
+        Some((scaled(value, scale), pdf))
+    }
+
+    /// The density of the way back to the vertex before, when one comes from `dir`.
+    #[inline]
+    pub fn reverse_pdf(&self, dir: Dir) -> Wide {
+        let local = self.vertex.local();
+        let turned = Local { wo: dir, ..local };
+        match self.vertex.material.eval(&turned, local.wo) {
+            Some((_, pdf)) => pdf,
+            None => Wide::ZERO,
+        }
+    }
+
+    /// Cosine between a direction and the normal, on whichever side.
+    #[inline]
+    pub fn cos(&self, dir: Dir) -> Wide {
+        cos(&self.vertex, dir)
+    }
+}
+
+#[inline]
+pub fn cos(vertex: &Vertex, dir: Dir) -> Wide {
+    Wide::new(dir.dot_q24(vertex.surface.normal).unsigned_abs(), -24)
+}
+
+#[inline]
+fn scaled(light: Radiance, by: Wide) -> Radiance {
+    if by == Wide::ONE { light } else { light.scale(by) }
+}
+
+/// Squared length of a segment.
+#[inline]
+pub fn square(distance: i32) -> Wide {
+    let distance = Wide::new(distance as u32, 0);
+    distance * distance
+}
+
+/// A vertex with the ray that goes on from it.
+pub struct Onward {
+    pub ray: Ray,
+    pub sample: BsdfSample,
+    pub partial: Partial,
+}
+
+/// Draws a direction from the BSDF at a vertex that was arrived at; `None` where the subpath ends.
+#[inline]
+pub fn scatter(at: &PathVertex, direction: [Uniform; 2], lobe: Uniform) -> Option<Onward> {
+    let local = at.vertex.local();
+    let sample = at.vertex.material.sample(&local, direction, lobe)?;
+    let cos = at.cos(sample.wi);
+    let partial = if sample.is_specular() {
+        at.partial.scatter_delta(cos)
+    } else {
+        at.partial.scatter(cos, sample.pdf, at.reverse_pdf(sample.wi))
+    };
+    let ray = Ray {
+        origin: at.vertex.surface.leave(sample.wi),
+        dir: sample.wi,
+    };
+    Some(Onward { ray, sample, partial })
+}
+
+/// The weight of a BSDF sample for light instead of radiance: without the squeeze into the denser medium.
+#[inline]
+pub fn light_weight(sample: &BsdfSample) -> Radiance {
+    scaled(sample.weight, sample.eta_squared)
+}
+
+/// Whether a subpath survives roulette with this number, and by what its throughput grows if so.
+///
+/// The chance is the share of what it carried at first, at most 0.95.
+#[inline]
+pub fn roulette(share: Wide, number: Uniform) -> Option<Wide> {
+    let survival = share.to_fixed(16).min(62_259);
+    if (number.to_bits() >> 16) >= survival {
+        None
+    } else {
+        Some(Wide::new(survival, -16).recip())
+    }
+}
