@@ -6,7 +6,7 @@ use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
+use microlux::light::{Environment, Light};
 use microlux::material::Material;
 use microlux::num::Share;
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
@@ -183,6 +183,8 @@ impl CoreScene {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             grid: self.arrangement.grid,
             nodes: &self.nodes,

@@ -3,7 +3,7 @@
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
+use microlux::light::{Environment, Light};
 use microlux::material::{
     BlinnPhong, Conductor, Dielectric, Index, Material, OrenNayar, OrenNayarModel, RoughDielectric,
 };
@@ -312,6 +312,8 @@ impl Draft {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             grid: self.arrangement.grid,
             nodes: &self.nodes,
