@@ -24,7 +24,7 @@ pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> O
         return None;
     }
     let pdf = warp::pdf_cosine_hemisphere(cos);
-    Some((Radiance::WHITE.mul_albedo(albedo).scale(pdf), pdf))
+    Some((Radiance::from_albedo(albedo, pdf), pdf))
 }
 
 /// Cosine-distributed about the normal: the weight is the reflectance.
@@ -35,7 +35,7 @@ pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform
     let wi = Frame::about(normal).to_world(drawn);
     Some(BsdfSample {
         wi,
-        weight: Radiance::WHITE.mul_albedo(albedo),
+        weight: Radiance::from_albedo(albedo, Wide::ONE),
         pdf: warp::pdf_cosine_hemisphere(drawn.0[2]),
         eta_squared: Wide::ONE,
     })
