@@ -51,31 +51,39 @@ impl Radiance {
     };
 
     /// From three channels `bits · 2^exponent`.
+    #[cfg_attr(not(narrow_mul), inline(always))]
     pub const fn from_bits(bits: [u32; 3], exponent: i32) -> Radiance {
         let all = bits[0] | bits[1] | bits[2];
         if all == 0 {
             return Radiance::BLACK;
         }
         // Keep 16 bits of the largest; if rounding carries past them, one bit fewer.
-        let mut shift = 16 - leading_zeros(all) as i32;
-        let mut m = round(bits, shift);
+        let zeros = leading_zeros(all);
+        let top = [bits[0] << zeros, bits[1] << zeros, bits[2] << zeros];
+        let mut m = round(top, 16);
+        let mut e = exponent + 31 - zeros as i32;
         if (m[0] | m[1] | m[2]) > 0xffff {
-            shift += 1;
-            m = round(bits, shift);
+            m = round(top, 17);
+            e += 1;
         }
-        let e = exponent + 15 + shift;
-        if e < i16::MIN as i32 {
-            return Radiance::BLACK;
-        }
-        if e > i16::MAX as i32 {
-            return Radiance {
-                mantissa: [u16::MAX; 3],
-                exponent: i16::MAX,
-            };
+        if e != e as i16 as i32 {
+            return Radiance::at_the_end(e);
         }
         Radiance {
             mantissa: [m[0] as u16, m[1] as u16, m[2] as u16],
             exponent: e as i16,
+        }
+    }
+
+    /// What an exponent beyond the range leaves: nothing, or the largest there is.
+    #[cold]
+    const fn at_the_end(exponent: i32) -> Radiance {
+        if exponent < 0 {
+            return Radiance::BLACK;
+        }
+        Radiance {
+            mantissa: [u16::MAX; 3],
+            exponent: i16::MAX,
         }
     }
 
@@ -96,6 +104,18 @@ impl Radiance {
     #[inline(always)]
     pub const fn is_black(self) -> bool {
         self.mantissa[0] | self.mantissa[1] | self.mantissa[2] == 0
+    }
+
+    /// Shares of a number: `WHITE.mul_albedo(albedo).scale(by)`, the same bits.
+    #[inline]
+    pub const fn from_albedo(albedo: Albedo, by: Wide) -> Radiance {
+        let m = by.mantissa() as u32;
+        let a = [
+            albedo.0[0].to_bits() as u32 * m,
+            albedo.0[1].to_bits() as u32 * m,
+            albedo.0[2].to_bits() as u32 * m,
+        ];
+        Radiance::from_bits(a, by.exponent() as i32 - 30)
     }
 
     /// Channel by channel, by shares.
@@ -177,6 +197,16 @@ impl Radiance {
         Wide::new(if a > b { a as u32 } else { b as u32 }, self.exponent as i32 - 15)
     }
 
+    /// Luminance in whole 256ths, 54 : 183 : 19 (Rec. 709: 54.4, 183.1, 18.5): what to draw more of, not what is seen.
+    ///
+    /// More than 0 wherever a channel is.
+    #[inline]
+    pub const fn luminance(self) -> Wide {
+        let m = self.mantissa;
+        let sum = 54 * m[0] as u32 + 183 * m[1] as u32 + 19 * m[2] as u32;
+        Wide::new(sum, self.exponent as i32 - 23)
+    }
+
     /// Channels with 32 bits below the point, rounded to nearest, at most 2^16 (`(1 << 48) − 1`): what a film adds up.
     #[inline]
     pub const fn to_q32(self) -> [u64; 3] {
@@ -220,18 +250,14 @@ pub fn mean_q32(sum: [u64; 3], count: u32) -> Radiance {
     Radiance::from_bits(bits, 32 - zeros as i32 - r.shift as i32)
 }
 
-#[inline]
-const fn round(bits: [u32; 3], shift: i32) -> [u32; 3] {
-    if shift <= 0 {
-        let left = -shift as u32;
-        [bits[0] << left, bits[1] << left, bits[2] << left]
-    } else {
-        // Halves go up: ((x >> (shift - 1)) + 1) >> 1, which cannot overflow where ⌊(x + half) >> shift⌋ would.
-        let s = shift as u32 - 1;
-        [
-            ((bits[0] >> s) + 1) >> 1,
-            ((bits[1] >> s) + 1) >> 1,
-            ((bits[2] >> s) + 1) >> 1,
-        ]
-    }
+/// `bits / 2^shift`, halves up; `shift` ≥ 1.
+#[inline(always)]
+const fn round(bits: [u32; 3], shift: u32) -> [u32; 3] {
+    // ((x >> (shift - 1)) + 1) >> 1 cannot overflow where ⌊(x + half) >> shift⌋ would.
+    let s = shift - 1;
+    [
+        ((bits[0] >> s) + 1) >> 1,
+        ((bits[1] >> s) + 1) >> 1,
+        ((bits[2] >> s) + 1) >> 1,
+    ]
 }

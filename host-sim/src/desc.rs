@@ -107,11 +107,14 @@ pub enum BsdfDesc {
         specular_reflectance: Vec3,
         specular_transmittance: Vec3,
     },
+    /// Metal of GGX facets, with Smith's masking as the product of both directions', as in Mitsuba 3:
+    /// f = F D G₁(wi) G₁(wo) / (4 cosθi cosθo). `eta_k` as above.
     RoughConductor {
         alpha: f64,
         specular_reflectance: Vec3,
         eta_k: Option<(Vec3, Vec3)>,
     },
+    /// Glass of such facets (Walter et al. 2007), as in Mitsuba 3.
     RoughDielectric {
         alpha: f64,
         int_ior: f64,
@@ -218,7 +221,9 @@ pub enum LightDesc {
     ///
     /// `to_world` holds the orthonormal directions of its axes: y towards the top row, z towards the picture's middle,
     /// x towards the middle of its left half. So a direction (x, y, z) in that frame meets the picture at
-    /// u = atan2(x, -z) / 2π (modulo 1), v = acos(y) / π, as in Mitsuba 3, which interpolates between pixel centres.
+    /// u = atan2(x, -z) / 2π (modulo 1), v = acos(y) / π. As in Mitsuba 3, pixel (i, j) lies at u = (i + ½) / width, which
+    /// wraps, and v = j / (height − 1): the top row is the north pole, the bottom one the south pole. Between pixels the
+    /// radiance is bilinear.
     EnvMap {
         width: u32,
         height: u32,

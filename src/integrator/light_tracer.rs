@@ -71,7 +71,7 @@ impl Integrator for LightTracer {
         *rays = rays.wrapping_add(1);
         match view.scene.closest(&ray) {
             Some(hit) => view.scene.vertex(&ray, &hit).emission,
-            None => view.scene.environment(),
+            None => view.scene.background(ray.dir),
         }
     }
 }

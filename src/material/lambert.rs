@@ -1,20 +1,8 @@
-use super::{BsdfSample, Local};
+use super::{BsdfSample, Local, facing};
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Frame};
 use crate::num::{Uniform, Wide};
 use crate::sampler::warp;
-
-/// The normal on the eye's side; `None` behind a one-sided surface.
-#[inline]
-fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
-    if local.wo.dot_q24(local.normal) > 0 {
-        Some(local.normal)
-    } else if two_sided {
-        Some(-local.normal)
-    } else {
-        None
-    }
-}
 
 /// f·cos θi = ρ/π · cos θi, density cos θi / π.
 #[inline]
@@ -24,7 +12,7 @@ pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> O
         return None;
     }
     let pdf = warp::pdf_cosine_hemisphere(cos);
-    Some((Radiance::WHITE.mul_albedo(albedo).scale(pdf), pdf))
+    Some((Radiance::from_albedo(albedo, pdf), pdf))
 }
 
 /// The density of [`eval`].
@@ -41,7 +29,7 @@ pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform
     let wi = Frame::about(normal).to_world(drawn);
     Some(BsdfSample {
         wi,
-        weight: Radiance::WHITE.mul_albedo(albedo),
+        weight: Radiance::from_albedo(albedo, Wide::ONE),
         pdf: warp::pdf_cosine_hemisphere(drawn.0[2]),
         eta_squared: Wide::ONE,
     })

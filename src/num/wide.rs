@@ -76,16 +76,19 @@ impl Wide {
 
     #[inline(always)]
     const fn pack(mantissa: u32, exponent: i32) -> Wide {
-        if exponent > i16::MAX as i32 {
-            Wide::MAX
-        } else if exponent < i16::MIN as i32 {
-            Wide::ZERO
-        } else {
-            Wide {
-                mantissa: mantissa as u16,
-                exponent: exponent as i16,
-            }
+        if exponent != exponent as i16 as i32 {
+            return Wide::at_the_end(exponent);
         }
+        Wide {
+            mantissa: mantissa as u16,
+            exponent: exponent as i16,
+        }
+    }
+
+    /// What an exponent beyond the range leaves: nothing, or the largest there is.
+    #[cold]
+    const fn at_the_end(exponent: i32) -> Wide {
+        if exponent < 0 { Wide::ZERO } else { Wide::MAX }
     }
 
     #[inline]

@@ -48,6 +48,7 @@ impl SeedableRng for PcgRxsMXs32 {
 impl TryRng for PcgRxsMXs32 {
     type Error = Infallible;
 
+    #[inline]
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
         Ok(self.draw())
     }

@@ -3,8 +3,8 @@
 use super::{Hit, Scene};
 use crate::bvh::{self, Visitor, traverse};
 use crate::geom::{FAR, Ray};
-use crate::light::Light;
-use crate::shape::{Geometry, GridRay, Slopes};
+use crate::light::{Environment, Light};
+use crate::shape::{Geometry, GridRay, Sight, Slopes};
 use core::ops::ControlFlow;
 
 /// Closed forms that are tested in turn without a tree.
@@ -75,7 +75,7 @@ impl Scene<'_> {
         if self.is_small() {
             return self.any_of(0, ray, distance, except);
         }
-        if self.any_of(self.bounded(), ray, distance, except) {
+        if self.bounded() < self.parts.shapes.len() && self.any_of(self.bounded(), ray, distance, except) {
             return true;
         }
         let slopes = Slopes::new(ray.dir);
@@ -101,7 +101,7 @@ impl Scene<'_> {
     /// With a few emitters they are asked first, and what may stand before the nearest of them after, which is cheaper
     /// than the nearest of all; a hit on an emitter at the very distance of another shape counts.
     pub fn closest_light(&self, ray: &Ray) -> Option<Seen> {
-        if self.light_count > FEW_LIGHTS {
+        if self.light_count - u32::from(self.environment.is_sampled()) > FEW_LIGHTS {
             return match self.closest(ray) {
                 Some(hit) => self.is_emitter(hit.shape).then_some(Seen::Emitter(hit)),
                 None => Some(Seen::Environment),
@@ -127,7 +127,7 @@ impl Scene<'_> {
         }
         match nearest {
             Some(hit) => (!self.occluded(ray, hit.t, Some(hit.shape))).then_some(Seen::Emitter(hit)),
-            None if self.environment.is_black() => None,
+            None if matches!(self.environment, Environment::None) => None,
             None => (!self.occluded(ray, FAR + 1, None)).then_some(Seen::Environment),
         }
     }
@@ -145,18 +145,48 @@ impl Scene<'_> {
     }
 
     /// Whether a closed form from place `first` on is met within `distance`.
+    #[inline]
     fn any_of(&self, first: usize, ray: &Ray, distance: i32, except: usize) -> bool {
-        let shapes = self.parts.shapes.iter().enumerate().skip(first);
-        shapes
-            .filter(|(index, _)| *index != except)
-            .any(|(_, s)| s.geometry.intersect(ray, distance).is_some())
+        let sight = Sight::new(ray.dir);
+        match sight.axis {
+            0 => self.any_seen::<0>(first, ray, &sight, distance, except),
+            1 => self.any_seen::<1>(first, ray, &sight, distance, except),
+            _ => self.any_seen::<2>(first, ray, &sight, distance, except),
+        }
     }
 
+    fn any_seen<const K: usize>(
+        &self,
+        first: usize,
+        ray: &Ray,
+        sight: &Sight,
+        distance: i32,
+        except: usize,
+    ) -> bool {
+        for (index, shape) in self.parts.shapes.iter().enumerate().skip(first) {
+            let found = shape.geometry.intersect_next::<K>(ray, sight, distance);
+            if found.is_some() && index != except {
+                return true;
+            }
+        }
+        false
+    }
+
+    #[inline]
     fn closest_of_few(&self, ray: &Ray) -> Option<Hit> {
+        let sight = Sight::new(ray.dir);
+        match sight.axis {
+            0 => self.closest_seen::<0>(ray, &sight),
+            1 => self.closest_seen::<1>(ray, &sight),
+            _ => self.closest_seen::<2>(ray, &sight),
+        }
+    }
+
+    fn closest_seen<const K: usize>(&self, ray: &Ray, sight: &Sight) -> Option<Hit> {
         let mut t_max = FAR + 1;
         let mut nearest = None;
         for (index, shape) in self.parts.shapes.iter().enumerate() {
-            if let Some(t) = shape.geometry.intersect(ray, t_max) {
+            if let Some(t) = shape.geometry.intersect_next::<K>(ray, sight, t_max) {
                 t_max = t;
                 nearest = Some(index as u16);
             }

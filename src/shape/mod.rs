@@ -7,6 +7,8 @@
 mod grid;
 mod mesh;
 mod planar;
+pub mod polygon;
+mod sight;
 mod sphere;
 pub(crate) mod triangle;
 
@@ -17,6 +19,7 @@ pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
+pub(crate) use sight::Sight;
 pub use sphere::Sphere;
 
 /// Where a shape is.
@@ -64,6 +67,18 @@ impl Geometry {
             Geometry::Disk(disk) => disk.intersect(ray, t_max),
             Geometry::Rectangle(rectangle) => rectangle.intersect(ray, t_max),
             Geometry::Mesh(_) => None,
+        }
+    }
+
+    /// [`Self::intersect`] for loops that ask shape after shape: what is clearly missed is left out where they stand.
+    ///
+    /// `K` is the ray's dominant axis.
+    #[inline(always)]
+    pub(crate) fn intersect_next<const K: usize>(&self, ray: &Ray, sight: &Sight, t_max: i32) -> Option<i32> {
+        match self {
+            Geometry::Sphere(Sphere { center, radius }) if !sight.is_near::<K>(ray, *center, *radius) => None,
+            Geometry::Plane(plane) => plane.intersect(ray, t_max),
+            geometry => geometry.intersect(ray, t_max),
         }
     }
 

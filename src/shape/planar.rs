@@ -42,7 +42,7 @@ impl Plane {
     }
 
     /// Distance to the crossing with 0 < t < `t_max`; one beyond [`FAR`] counts as there.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
         let t = crossing(self.point, self.normal, ray, t_max)?;
         (t < t_max).then_some(t)
@@ -117,7 +117,7 @@ impl Rectangle {
 /// Distance along the ray to a plane, t > 0, at most [`FAR`]; perhaps `None` where it is not under `t_max`.
 ///
 /// t = −(o − p)·n / (d·n), the closed form; the quotient's relative error is 2^-24 / |d·n| plus 2^-28.
-#[inline]
+#[inline(always)]
 fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
     let height = dot(point.to(ray.origin), normal);
     let slope = slope(ray.dir, normal);
@@ -125,7 +125,12 @@ fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
     if (height ^ slope) >= 0 || slope == 0 {
         return None;
     }
-    let (height, slope) = (height.unsigned_abs(), slope.unsigned_abs());
+    quotient(height.unsigned_abs(), slope.unsigned_abs(), t_max)
+}
+
+/// height / slope, as [`crossing`] wants it; the slope is not 0.
+#[inline(never)]
+fn quotient(height: u32, slope: u32, t_max: i32) -> Option<i32> {
     if height >> 5 >= slope {
         return (height > 0).then_some(FAR);
     }
@@ -140,7 +145,7 @@ fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
 }
 
 /// [`crate::geom::Offset::dot`], the same bits with one product where the direction is an axis.
-#[inline]
+#[inline(always)]
 fn dot(v: Offset, d: Dir) -> i32 {
     let [x, y, z] = d.0;
     match (x == 0, y == 0, z == 0) {
@@ -152,7 +157,7 @@ fn dot(v: Offset, d: Dir) -> i32 {
 }
 
 /// [`Dir::dot_q24`], the same bits with one product where the normal is an axis.
-#[inline]
+#[inline(always)]
 fn slope(dir: Dir, normal: Dir) -> i32 {
     let one = |d: i32, n: i32| (d >> 8) * n + (((d & 255) * n) >> 8);
     let [x, y, z] = normal.0;

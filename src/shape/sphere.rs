@@ -29,10 +29,16 @@ impl Sphere {
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
         let to_center = ray.origin.to(self.center);
         let t0 = to_center.dot(ray.dir);
+        let r = self.radius;
+        // Clearly behind, or clearly beyond what is wanted: by more than the 2^-11 of t0 and the few units that `rest`
+        // may take from it later, and the 2^-14 of r that half the chord may be longer than r.
+        let reach = r + (r >> 6) + 16;
+        if t0 < -reach || t0 - (t0 >> 8) - reach >= t_max {
+            return None;
+        }
         let f = ray.dir.times(t0).minus(to_center);
         // The direction's length is 1 to 2^-14 only: f may still lie that much of t0 before or behind.
-        let r = self.radius;
-        let slack = r.saturating_add((t0.unsigned_abs() >> 12) as i32);
+        let slack = r + (t0.unsigned_abs() >> 12) as i32;
         if exceeds(f.0, slack) {
             return None;
         }
@@ -84,8 +90,9 @@ impl Sphere {
     }
 }
 
-/// Whether a component lies outside ±`limit`.
-#[inline]
+/// Whether a component lies outside ±`limit`, which is 0 ..< 2^30.
+#[inline(always)]
 fn exceeds(v: [i32; 3], limit: i32) -> bool {
-    v.iter().any(|c| *c > limit || *c < -limit)
+    let outside = |c: i32| c.wrapping_add(limit) as u32 > 2 * limit as u32;
+    outside(v[0]) || outside(v[1]) || outside(v[2])
 }

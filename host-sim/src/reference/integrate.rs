@@ -1,15 +1,17 @@
 //! Radiance along a ray: the rendering equation by random walks (Kajiya 1986).
 //!
 //! Two estimators of the same number, which share the scene and the hits but not how light is found: `guided` chooses
-//! points on the lights and joins them with the material's own directions; `blind` only walks on.
+//! points on the lights and joins them with the material's own directions; `blind` only walks on. And one of another number:
+//! how open to the sky a place is.
 
 use super::bsdf::Surface;
-use super::light::Lights;
+use super::light::{Arrival, From, Lights};
 use super::render::{Estimator, Settings};
 use super::scene::{Material, Ray, Scene, scale};
 use super::shape::{Hit, closest, occluded};
 use super::strata::Sampler;
 use super::vec::{Rgb, Vec3};
+use super::warp;
 
 /// Slots of the sampler: the pixel and the lens, then two diffuse vertices: a direction and up to this many lights.
 const LIGHT_SLOTS: usize = 4;
@@ -55,6 +57,27 @@ impl<'a> World<'a> {
         match self.settings.estimator {
             Estimator::Guided => self.guided(ray, sampler, rays),
             Estimator::Blind => self.blind(ray, sampler, rays),
+            Estimator::AmbientOcclusion { radius } => self.ambient_occlusion(ray, radius, sampler, rays),
+        }
+    }
+
+    /// The share of the hemisphere, by the cosine, from which nothing within `radius` hides the point that is seen.
+    fn ambient_occlusion(&self, ray: Ray, radius: f64, sampler: &mut Sampler, rays: &mut u64) -> Rgb {
+        *rays += 1;
+        let Some(hit) = closest(self.scene, &ray) else {
+            return Rgb::ZERO;
+        };
+        let surface = Surface::new(&ray, &hit);
+        let wi = surface
+            .shading
+            .frame_to_world(warp::cosine_hemisphere(sampler.slot(FIRST_VERTEX_SLOT)));
+        if surface.normal.dot(wi) <= 0.0 {
+            return Rgb::ZERO;
+        }
+        *rays += 1;
+        match self.blocked(&surface, wi, radius) {
+            true => Rgb::ZERO,
+            false => Rgb::ONE,
         }
     }
 
@@ -72,7 +95,8 @@ impl<'a> World<'a> {
                 break;
             }
             let Some(hit) = self.follow(ray, segments, rays) else {
-                radiance += throughput * self.background(segments);
+                let weight = |pdf| last.pdf.map_or(1.0, |mine| power_heuristic(mine, pdf));
+                radiance += throughput * self.background(ray.direction, segments, weight);
                 break;
             };
 
@@ -127,7 +151,7 @@ impl<'a> World<'a> {
         let mut eta = 1.0;
         for segments in 1..=self.settings.max_depth.unwrap_or(u32::MAX) {
             let Some(hit) = self.follow(ray, segments, rays) else {
-                return radiance + throughput * self.background(segments);
+                return radiance + throughput * self.background(ray.direction, segments, |_| 1.0);
             };
             if let Some(emission) = self.emission(&hit, segments) {
                 radiance += throughput * emission;
@@ -175,7 +199,7 @@ impl<'a> World<'a> {
                 continue;
             }
             *rays += 1;
-            if self.blocked(surface, arrival.wi, arrival.distance) {
+            if !self.arrives(surface, &arrival) {
                 continue;
             }
             let weight = match arrival.pdf {
@@ -200,11 +224,11 @@ impl<'a> World<'a> {
         }
     }
 
-    fn background(&self, segments: u32) -> Rgb {
+    fn background(&self, direction: Vec3, segments: u32, weight: impl Fn(f64) -> f64) -> Rgb {
         if segments == 1 && self.settings.hide_emitters {
             Rgb::ZERO
         } else {
-            self.lights.background
+            self.lights.background(direction, weight)
         }
     }
 
@@ -224,6 +248,14 @@ impl<'a> World<'a> {
         Ray {
             origin: surface.point + surface.normal * side,
             direction,
+        }
+    }
+
+    fn arrives(&self, surface: &Surface, arrival: &Arrival) -> bool {
+        match arrival.from {
+            From::Distance(distance) => !self.blocked(surface, arrival.wi, distance),
+            From::Shape(shape) => closest(self.scene, &self.leave(surface, arrival.wi))
+                .is_some_and(|hit| hit.shape == shape && hit.front),
         }
     }
 

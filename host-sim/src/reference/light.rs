@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::scene::{Geometry, Light, Scene};
 use super::shape::Hit;
+use super::sky::Sky;
 use super::vec::{Rgb, Vec3};
 use super::warp;
 
@@ -14,15 +15,29 @@ pub struct Lights {
     ///
     /// It is met by following the material's own directions, with weight 1 and no light samples: against a constant
     /// those have no variance but that of visibility, which a sample of the environment would share.
-    pub background: Rgb,
+    constant: Rgb,
     /// For each shape, its place in `each`.
     of_shape: Vec<Option<usize>>,
 }
 
 pub enum Emitter {
-    Point { position: Vec3, intensity: Rgb },
-    Directional { toward: Vec3, irradiance: Rgb },
+    Point {
+        position: Vec3,
+        intensity: Rgb,
+    },
+    Directional {
+        toward: Vec3,
+        irradiance: Rgb,
+    },
     Area(Area),
+    Sky(Sky),
+    /// A solid without a way to choose points of it: directions into its bounding sphere are chosen instead.
+    Solid {
+        shape: usize,
+        center: Vec3,
+        radius: f64,
+        emission: Rgb,
+    },
 }
 
 pub struct Area {
@@ -37,24 +52,33 @@ pub struct Area {
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival {
     pub wi: Vec3,
-    pub distance: f64,
+    pub from: From,
     /// Radiance over the density; for lights without extent, irradiance on a plane facing the light.
     pub weight: Rgb,
     /// Solid-angle density, or `None` for lights without extent, which no chosen direction would meet.
     pub pdf: Option<f64>,
 }
 
+/// Where light comes from.
+#[derive(Clone, Copy, Debug)]
+pub enum From {
+    /// A point this far away; infinity for the sky.
+    Distance(f64),
+    /// The front of this shape, if that is what the direction meets first.
+    Shape(usize),
+}
+
 impl Lights {
     pub fn new(scene: &Scene) -> Lights {
         let mut lights = Lights {
             each: Vec::new(),
-            background: Rgb::ZERO,
+            constant: Rgb::ZERO,
             of_shape: vec![None; scene.shapes.len()],
         };
         for light in &scene.lights {
             match *light {
                 Light::Point { position, intensity } => {
-                    lights.each.push(Emitter::Point { position, intensity })
+                    lights.each.push(Emitter::Point { position, intensity });
                 }
                 Light::Directional {
                     direction,
@@ -65,24 +89,59 @@ impl Lights {
                         irradiance,
                     });
                 }
-                Light::Constant { radiance } => lights.background += radiance,
+                Light::Constant { radiance } => lights.constant += radiance,
+                Light::Gradient(sky) => lights.sky(Sky::gradient(sky)),
+                Light::Sun(sun) => lights.sky(Sky::sun(sun)),
+                Light::Map(ref map) => lights.sky(Sky::map(map.clone())),
             }
         }
         for (index, shape) in scene.shapes.iter().enumerate() {
-            if let Some(emission) = shape.emission
-                && let Some(area) = Area::new(&shape.geometry, emission)
-            {
+            let Some(emission) = shape.emission else {
+                continue;
+            };
+            let emitter = match &shape.geometry {
+                Geometry::Implicit(solid) => {
+                    let (center, radius) = solid.ball();
+                    Some(Emitter::Solid {
+                        shape: index,
+                        center,
+                        radius,
+                        emission,
+                    })
+                }
+                geometry => Area::new(geometry, emission).map(Emitter::Area),
+            };
+            if let Some(emitter) = emitter {
                 lights.of_shape[index] = Some(lights.each.len());
-                lights.each.push(Emitter::Area(area));
+                lights.each.push(emitter);
             }
         }
         lights
+    }
+
+    fn sky(&mut self, sky: Option<Sky>) {
+        self.each.extend(sky.map(Emitter::Sky));
+    }
+
+    /// Radiance from beyond all shapes along a unit direction, each part of it weighted by `weight` of the solid-angle density
+    /// with which a light sample would have chosen that direction: 0 for what has no light samples.
+    pub fn background(&self, direction: Vec3, weight: impl Fn(f64) -> f64) -> Rgb {
+        let mut sum = self.constant * weight(0.0);
+        for emitter in &self.each {
+            if let Emitter::Sky(sky) = emitter {
+                sum += sky.radiance(direction) * weight(sky.pdf(direction));
+            }
+        }
+        sum
     }
 
     /// Solid-angle density, seen from `point`, with which `Emitter::sample` would have chosen `hit`; 0 if it could not.
     pub fn pdf(&self, point: Vec3, hit: &Hit) -> f64 {
         match self.of_shape[hit.shape].map(|index| &self.each[index]) {
             Some(Emitter::Area(area)) => area.pdf(point, hit.point, hit.normal),
+            Some(&Emitter::Solid { center, radius, .. }) => {
+                1.0 / (TAU * cone_or_sphere(point, center, radius))
+            }
             _ => 0.0,
         }
     }
@@ -98,14 +157,14 @@ impl Emitter {
                 let weight = intensity / d2;
                 (d2 > 0.0).then(|| Arrival {
                     wi: to_light.normalized(),
-                    distance: d2.sqrt(),
+                    from: From::Distance(d2.sqrt()),
                     weight,
                     pdf: None,
                 })
             }
             Emitter::Directional { toward, irradiance } => Some(Arrival {
                 wi: toward,
-                distance: f64::INFINITY,
+                from: From::Distance(f64::INFINITY),
                 weight: irradiance,
                 pdf: None,
             }),
@@ -116,8 +175,39 @@ impl Emitter {
                 let weight = area.emission / pdf;
                 (pdf > 0.0).then(|| Arrival {
                     wi: to_light.normalized(),
-                    distance: to_light.length(),
+                    from: From::Distance(to_light.length()),
                     weight,
+                    pdf: Some(pdf),
+                })
+            }
+            Emitter::Sky(ref sky) => {
+                let wi = sky.sample(u);
+                let pdf = sky.pdf(wi);
+                (pdf > 0.0).then(|| Arrival {
+                    wi,
+                    from: From::Distance(f64::INFINITY),
+                    weight: sky.radiance(wi) / pdf,
+                    pdf: Some(pdf),
+                })
+            }
+            Emitter::Solid {
+                shape,
+                center,
+                radius,
+                emission,
+            } => {
+                let one_minus_cos = cone_or_sphere(point, center, radius);
+                let axis = if center == point {
+                    Vec3::ONE
+                } else {
+                    center - point
+                };
+                let wi = axis.normalized().frame_to_world(warp::cone(u, one_minus_cos));
+                let pdf = 1.0 / (TAU * one_minus_cos);
+                Some(Arrival {
+                    wi,
+                    from: From::Shape(shape),
+                    weight: emission / pdf,
                     pdf: Some(pdf),
                 })
             }
@@ -129,7 +219,7 @@ impl Area {
     fn new(geometry: &Geometry, emission: Rgb) -> Option<Area> {
         let mut cumulative = Vec::new();
         let area = match *geometry {
-            Geometry::Plane { .. } => return None,
+            Geometry::Plane { .. } | Geometry::Implicit(_) => return None,
             Geometry::Sphere { radius, .. } => 2.0 * TAU * radius * radius,
             Geometry::Disk { radius, .. } => TAU / 2.0 * radius * radius,
             Geometry::Rectangle { u, v, .. } => 4.0 * u.cross(v).length(),
@@ -190,7 +280,7 @@ impl Area {
                     mesh.double_area_normal(index as u32).normalized(),
                 ))
             }
-            Geometry::Plane { .. } => None,
+            Geometry::Plane { .. } | Geometry::Implicit(_) => None,
         }
     }
 
@@ -216,6 +306,11 @@ impl Area {
 fn cone_around(point: Vec3, center: Vec3, radius: f64) -> Option<f64> {
     let sin2 = radius * radius / (center - point).length_squared();
     (sin2 < 1.0).then(|| sin2 / (1.0 + (1.0 - sin2).sqrt()))
+}
+
+/// The same from anywhere: all directions from inside.
+fn cone_or_sphere(point: Vec3, center: Vec3, radius: f64) -> f64 {
+    cone_around(point, center, radius).unwrap_or(2.0)
 }
 
 /// Uniform in the solid angle of the sphere (Shirley, Wang and Zimmerman, "Monte Carlo Techniques for Direct Lighting

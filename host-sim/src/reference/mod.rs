@@ -7,6 +7,7 @@
 
 mod bsdf;
 mod camera;
+mod implicit;
 mod integrate;
 mod light;
 mod mesh;
@@ -14,6 +15,7 @@ mod render;
 mod rng;
 mod scene;
 mod shape;
+mod sky;
 mod strata;
 mod tree;
 mod vec;
@@ -21,8 +23,10 @@ mod warp;
 
 pub use bsdf::{Bounce, Surface};
 pub use camera::primary_ray;
+pub use implicit::{Ball, Bound, Capsule, Implicit, Part};
 pub use mesh::{Mesh, TriangleHit};
 pub use render::{Estimator, Image, Rendering, Settings, render};
 pub use scene::{Camera, Geometry, Lens, Light, Material, OrenNayarModel, Ray, Scene, Shape, extent};
 pub use shape::{Hit, closest, occluded};
+pub use sky::{Gradient, Map, Sky, Sun};
 pub use vec::{Rgb, Vec3, vec3};

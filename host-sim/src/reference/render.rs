@@ -27,14 +27,17 @@ pub struct Settings {
     pub estimator: Estimator,
 }
 
-/// How paths find light. Both give the same picture in the mean, but for lights that a direction cannot find.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// How paths find light. The first two give the same picture in the mean, but for lights that a direction cannot find.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Estimator {
     /// Light samples and material samples joined by multiple importance sampling.
     #[default]
     Guided,
     /// Uniform directions and no light samples: blind to point and directional lights, noisy, hard to get wrong.
     Blind,
+    /// No light at all, but (1/π) ∫ V cosθ dω over the hemisphere about the shading normal on the eye's side, where V is 1 if
+    /// there is nothing within `radius`, which may be infinite; 0 where the camera ray meets nothing.
+    AmbientOcclusion { radius: f64 },
 }
 
 impl Default for Settings {

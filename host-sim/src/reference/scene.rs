@@ -4,7 +4,9 @@
 
 use std::sync::Arc;
 
+use super::implicit::Implicit;
 use super::mesh::Mesh;
+use super::sky::{Gradient, Map, Sun};
 use super::vec::{Rgb, Vec3, vec3};
 
 #[derive(Clone, Debug)]
@@ -72,6 +74,7 @@ pub enum Geometry {
         v: Vec3,
     },
     Mesh(Arc<Mesh>),
+    Implicit(Arc<Implicit>),
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -138,14 +141,25 @@ pub enum OrenNayarModel {
     EnergyPreserving,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Light {
     /// Radiant intensity, W·sr⁻¹.
-    Point { position: Vec3, intensity: Rgb },
+    Point {
+        position: Vec3,
+        intensity: Rgb,
+    },
     /// `direction` in which the light travels, of any length but zero; irradiance on a plane facing it, W·m⁻².
-    Directional { direction: Vec3, irradiance: Rgb },
-    /// The same radiance from everywhere. Several add up.
-    Constant { radiance: Rgb },
+    Directional {
+        direction: Vec3,
+        irradiance: Rgb,
+    },
+    /// The same radiance from everywhere. All that surrounds the scene adds up.
+    Constant {
+        radiance: Rgb,
+    },
+    Gradient(Gradient),
+    Sun(Sun),
+    Map(Arc<Map>),
 }
 
 /// A half-line; `direction` has length one.
@@ -194,6 +208,7 @@ impl Geometry {
             }
             Geometry::Rectangle { center, u, v } => (center, u.abs() + v.abs()),
             Geometry::Mesh(ref mesh) => return mesh.bounds(),
+            Geometry::Implicit(ref solid) => return Some(solid.bounds()),
         };
         Some((center - half, center + half))
     }

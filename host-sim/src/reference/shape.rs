@@ -74,6 +74,7 @@ fn cross(geometry: &Geometry, ray: &Ray, far: f64) -> Option<Crossing> {
             q.dot(u).abs() <= u.length_squared() && q.dot(v).abs() <= v.length_squared()
         }),
         Geometry::Mesh(ref mesh) => return mesh.closest(ray, far).map(Crossing::Triangle),
+        Geometry::Implicit(ref solid) => solid.first(ray, far),
     };
     analytic.map(Crossing::At)
 }
@@ -126,6 +127,10 @@ fn describe(scene: &Scene, ray: &Ray, shape: usize, crossing: Crossing) -> Hit {
         }
         (Geometry::Plane { normal, .. } | Geometry::Disk { normal, .. }, _) => {
             let normal = normal.normalized();
+            (normal, normal, None)
+        }
+        (Geometry::Implicit(solid), _) => {
+            let normal = solid.normal(point);
             (normal, normal, None)
         }
         (Geometry::Mesh(_), Crossing::At(_)) => unreachable!("a mesh is crossed at a triangle"),

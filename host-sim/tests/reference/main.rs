@@ -1,9 +1,13 @@
 //! The f64 reference against closed forms, and its two estimators against each other.
 
 mod agreement;
+mod bsdf;
+mod chi_square;
 mod closed_form;
+mod implicit;
 mod optics;
 mod picture;
+mod sky;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -7,11 +7,20 @@ use super::{Bdpt, Strategy, Tally};
 use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::integrator::{View, power_heuristic};
-use crate::light::choose;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 use crate::scene::{Hit, Seen};
 use heapless::Vec;
+
+/// The weight of a BSDF's direction against a light sample: of paths too long for every other strategy.
+#[inline]
+fn bsdf_weight(bsdf_pdf: Wide, sample: Wide) -> Wide {
+    if bsdf_pdf.is_zero() {
+        Wide::ONE
+    } else {
+        power_heuristic(bsdf_pdf, sample)
+    }
+}
 
 impl<const N: usize> Bdpt<N> {
     /// Follows the camera's ray: what emits on the way (no vertex from a light), light samples (one), and vertices to
@@ -53,10 +62,19 @@ impl<const N: usize> Bdpt<N> {
             let hit = match seen {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
-                    // Nothing else finds it.
-                    let light = throughput.mul(scene.environment());
-                    found = found + light.max_channel();
-                    tally.gather(strategy, light, Wide::ONE);
+                    let sample = scene.background_pdf(ray.dir);
+                    let weight = if depth == 1 || sample.is_zero() {
+                        // Nothing else finds it.
+                        Wide::ONE
+                    } else if depth > Self::FULL_DEPTH {
+                        bsdf_weight(bsdf_pdf, sample)
+                    } else {
+                        // No light subpath begins there.
+                        weight(Wide::ZERO, partial.shorter_at_light(sample, Wide::ZERO))
+                    };
+                    let light = throughput.mul(scene.background(ray.dir));
+                    found = found + light.max_channel() * weight;
+                    tally.gather(strategy, light, weight);
                     break;
                 }
                 Some(Seen::Environment) | None => break,
@@ -96,7 +114,7 @@ impl<const N: usize> Bdpt<N> {
 
             let (choice, place) = (sampler.next_1d(), sampler.next_2d());
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
-            let (light, number) = choose(choice, scene.light_count());
+            let (light, number) = scene.choose_light(choice);
             if at.vertex.material.is_smooth() {
                 found = found + self.sample_light(view, &at, light, place, tally, rays);
                 if depth + 2 <= self.max_depth.min(Self::FULL_DEPTH) {
@@ -138,14 +156,10 @@ impl<const N: usize> Bdpt<N> {
         hit: &Hit,
     ) -> Wide {
         if depth > Self::FULL_DEPTH {
-            return if bsdf_pdf.is_zero() {
-                Wide::ONE
-            } else {
-                power_heuristic(bsdf_pdf, sample)
-            };
+            return bsdf_weight(bsdf_pdf, sample);
         }
-        let count = Wide::new(view.scene.light_count(), 0);
-        let emission = view.scene.emission_density(light as u32, hit.triangle) / count;
+        let chance = view.scene.light_chance(light as u32);
+        let emission = view.scene.emission_density(light as u32, hit.triangle) * chance;
         weight(Wide::ZERO, partial.shorter_at_light(sample, emission))
     }
 
@@ -176,8 +190,8 @@ impl<const N: usize> Bdpt<N> {
         if scene.occluded(&shadow, sample.distance, sample.shape) {
             return Wide::ZERO;
         }
-        // One of `light_count` is chosen: the density is that much smaller.
-        let count = Wide::new(scene.light_count(), 0);
+        // One of several is chosen: the density is that much smaller.
+        let count = scene.light_chance(light).recip();
         let arriving = at.throughput.mul(reflected.mul(sample.radiance));
         let arriving = if sample.is_delta() {
             arriving.scale(count)

@@ -5,7 +5,6 @@ use super::subpath::{PathVertex, cos, light_weight, roulette, scatter, square};
 use super::weight::Partial;
 use super::{Strategy, Tally};
 use crate::integrator::View;
-use crate::light::choose;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 
@@ -50,11 +49,11 @@ impl LightWalk {
             return;
         }
         let (choice, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-        let (light, _) = choose(choice, scene.light_count());
+        let (light, _) = scene.choose_light(choice);
         let Some(emission) = scene.emit(light, place, direction) else {
             return;
         };
-        let count = Wide::new(scene.light_count(), 0);
+        let count = scene.light_chance(light).recip();
         let mut throughput = emission.power.scale(count);
         let first = throughput.max_channel();
         let mut ray = emission.ray;
@@ -132,7 +131,7 @@ impl LightWalk {
             let Some(onward) = scatter(&at, direction, lobe) else {
                 break;
             };
-            throughput = throughput.mul(light_weight(&onward.sample));
+            throughput = throughput.mul(light_weight(&at, &onward.sample));
             (ray, partial) = (onward.ray, onward.partial);
             if depth >= self.rr_depth {
                 let Some(more) = roulette(throughput.max_channel() / first, number) else {

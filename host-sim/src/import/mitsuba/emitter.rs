@@ -164,6 +164,10 @@ fn environment(params: &Params) -> Result<LightDesc, ImportError> {
         .iter_mut()
         .for_each(|pixel| *pixel = pixel.map(|c| c * scale));
     let (width, height) = (picture.width, picture.height);
+    if width < 2 || height < 2 {
+        let message = format!("a picture of {width} x {height} has no sky in it; use one of 2 x 2 or more");
+        return Err(at.error(message));
+    }
     Ok(LightDesc::EnvMap {
         width,
         height,

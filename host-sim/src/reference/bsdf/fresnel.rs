@@ -107,8 +107,8 @@ mod tests {
         // Without absorption it is a dielectric, total reflection and all.
         for step in 0..=20 {
             let cos = f64::from(step) / 20.0;
-            let seen = conductor(cos, vec3(1.5, 0.6, 2.4), Rgb::ZERO);
-            for (channel, eta) in [1.5, 0.6, 2.4].into_iter().enumerate() {
+            let seen = conductor(cos, vec3(1.5, 0.61, 2.4), Rgb::ZERO);
+            for (channel, eta) in [1.5, 0.61, 2.4].into_iter().enumerate() {
                 assert!((seen.get(channel) - dielectric(cos, eta).0).abs() < 1e-14);
             }
         }

@@ -98,15 +98,16 @@ impl Glass {
         (self.transmittance * scattered, pdf)
     }
 
-    /// A direction, by reflection or refraction at a facet that `wo` sees.
-    pub fn sample(&self, wo: Vec3, u: [f64; 2], lobe: f64) -> Vec3 {
+    /// A direction, by reflection or refraction at a facet that `wo` sees; `None` if it meets the surface once more.
+    pub fn sample(&self, wo: Vec3, u: [f64; 2], lobe: f64) -> Option<Vec3> {
         let half = sample_facet(self.normal, wo, self.alpha, u);
         let half_o = half.dot(wo).clamp(0.0, 1.0);
         let (fresnel, cos_t) = fresnel::dielectric(half_o, self.eta);
         if lobe < fresnel {
-            half * (2.0 * half_o) - wo
-        } else {
-            (half * (half_o / self.eta - cos_t) - wo / self.eta).normalized()
+            let wi = half * (2.0 * half_o) - wo;
+            return (self.normal.dot(wi) > 0.0).then_some(wi);
         }
+        let wi = (half * (half_o / self.eta - cos_t) - wo / self.eta).normalized();
+        (self.normal.dot(wi) < 0.0).then_some(wi)
     }
 }

@@ -163,7 +163,7 @@ impl Material {
                 }
                 reflected(wo, ggx::sample_facet(normal, wo, alpha, u))
             }
-            Material::RoughDielectric { .. } => self.glass(surface)?.sample(wo, u, lobe),
+            Material::RoughDielectric { .. } => self.glass(surface)?.sample(wo, u, lobe)?,
         };
         self.bounce(surface, wi)
     }
