@@ -106,14 +106,11 @@ impl LightWalk {
                 } else {
                     sampler.next_1d().to_bits()
                 };
+                let least = if T::ALL { Wide::ZERO } else { found.shl(-LEAST) };
                 for end in camera.iter().take_while(|end| end.depth + depth < full) {
-                    if let Some((light, weight)) = connect(
-                        scene,
-                        end,
-                        &at,
-                        (found.shl(-LEAST), Uniform::from_bits(number)),
-                        rays,
-                    ) {
+                    if let Some((light, weight)) =
+                        connect(scene, end, &at, (least, Uniform::from_bits(number)), rays)
+                    {
                         let strategy = Strategy {
                             light: depth + 1,
                             camera: end.depth + 1,

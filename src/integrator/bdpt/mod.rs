@@ -46,6 +46,9 @@ pub trait Tally {
     /// Whether light subpaths are connected with the lens.
     const SPLATS: bool;
 
+    /// Whether every connection is wanted, even one whose weight leaves next to nothing of it.
+    const ALL: bool = false;
+
     /// Light for the pixel at hand, before its weight.
     fn gather(&mut self, strategy: Strategy, light: Radiance, weight: Wide);
 
