@@ -125,6 +125,7 @@ fn geometry(
                 v: side(r.v, r.half[1]),
             }
         }
+        Core::Implicit(_) => unreachable!("quantise lets none of them in"),
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
             let vertices = mesh

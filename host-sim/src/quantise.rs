@@ -150,7 +150,7 @@ impl CoreScene {
         let mut nodes = vec![Node::EMPTY; max_nodes(shapes.len())];
         let mut boxes = vec![Boxed::EMPTY; shapes.len()];
         let borrowed: Vec<_> = meshes.iter().map(OwnedMesh::borrow).collect();
-        let arrangement = arrange(&mut shapes, &borrowed, &mut lights, &mut boxes, &mut nodes)
+        let arrangement = arrange(&mut shapes, &borrowed, &[], &mut lights, &mut boxes, &mut nodes)
             .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         nodes.truncate(arrangement.nodes);
         let camera = round.camera(desc);
@@ -182,6 +182,7 @@ impl CoreScene {
             materials: &self.materials,
             lights: &self.lights,
             meshes,
+            blobs: &[],
             grid: self.arrangement.grid,
             nodes: &self.nodes,
         };

@@ -5,7 +5,7 @@ use crate::color::Radiance;
 use crate::geom::Unit;
 use crate::light::Light;
 use crate::material::Material;
-use crate::shape::Geometry;
+use crate::shape::{Blob, Geometry};
 use heapless::Vec;
 
 /// Names a material of a [`SceneBuilder`].
@@ -126,14 +126,31 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         meshes: &'a [Mesh<'a>],
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
+        self.build_with_blobs(meshes, &[], nodes)
+    }
+
+    /// The same with blobs, of which metaballs and smooth unions are made.
+    pub fn build_with_blobs<'a>(
+        &'a mut self,
+        meshes: &'a [Mesh<'a>],
+        blobs: &'a [Blob],
+        nodes: &'a mut [Node],
+    ) -> Result<Scene<'a>, SceneError> {
         if let Some(environment) = self.environment.take() {
             self.lights
                 .push(environment)
                 .map_err(|_| Self::NO_ROOM_FOR_LIGHTS)?;
         }
         let mut boxes = [Boxed::EMPTY; SHAPES];
-        let found = arrange(&mut self.shapes, meshes, &mut self.lights, &mut boxes, nodes)
-            .map_err(|error| SceneError::Nodes { needed: error.needed })?;
+        let found = arrange(
+            &mut self.shapes,
+            meshes,
+            blobs,
+            &mut self.lights,
+            &mut boxes,
+            nodes,
+        )
+        .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         Scene::new(Parts {
             unit: self.unit,
             shapes: &self.shapes,
@@ -141,6 +158,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             materials: &self.materials,
             lights: &self.lights,
             meshes,
+            blobs,
             grid: found.grid,
             nodes: nodes.get(..found.nodes).unwrap_or(&[]),
         })

@@ -19,7 +19,7 @@ use crate::geom::{Dir, Point, Ray, Unit};
 use crate::light::{self, Emitter, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
-use crate::shape::{Geometry, Grid, MeshHit, Surface, TriangleMesh};
+use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, TriangleMesh};
 
 pub use arrange::{Arrangement, Boxed, arrange};
 pub use builder::{MaterialId, SceneBuilder};
@@ -57,6 +57,8 @@ pub struct Parts<'a> {
     /// An environment, if there is one, last.
     pub lights: &'a [Light],
     pub meshes: &'a [Mesh<'a>],
+    /// What metaballs and smooth unions are made of.
+    pub blobs: &'a [Blob],
     /// Around the finite shapes.
     pub grid: Grid,
     /// The tree over the finite shapes.
@@ -146,6 +148,7 @@ impl<'a> Scene<'a> {
         let surface = shape
             .and_then(|shape| match shape.geometry {
                 Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit),
+                Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
             .unwrap_or(Surface {
