@@ -6,7 +6,7 @@ use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
+use microlux::light::{Environment, Light};
 use microlux::material::{Dielectric, Material};
 use microlux::num::{Metres, Share};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
@@ -181,6 +181,8 @@ impl CoreScene {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             blobs: &[],
             grid: self.arrangement.grid,

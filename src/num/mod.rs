@@ -25,9 +25,9 @@ mod wide;
 pub use bits::{leading_zeros, normalize_shift, round_shift};
 pub use product::{mul_hi, mul_hi_signed, mul_q16, mul_shift};
 pub(crate) use recip::short_recip;
-pub use recip::{Recip, recip};
+pub use recip::{Recip, ratio, recip};
 pub use root::{isqrt, rsqrt};
-pub use trig::sin_cos;
+pub use trig::{atan2, sin_cos};
 pub use wide::Wide;
 
 pub use product::narrow;

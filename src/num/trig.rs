@@ -1,4 +1,4 @@
-use super::{Turn, mul_hi};
+use super::{Turn, mul_hi, ratio};
 
 /// Sine and cosine of an angle in turns, both Q16 in −65536 ..= 65536.
 ///
@@ -30,3 +30,28 @@ pub fn sin_cos(angle: Turn) -> (i32, i32) {
         _ => (-c, s),
     }
 }
+
+/// The angle of (`x`, `y`) from the x axis towards the y axis; 0 for nothing.
+///
+/// Error: max 3.0e-7 turns (1.9e-6 rad), RMS 1.9e-7, no bias (mean within 2e-9; `tests/num_error`). Reduced to 1/8 turn;
+/// a polynomial of degree 11 in the ratio, minimax on that interval. One reciprocal, eight wide products.
+#[inline]
+pub fn atan2(y: i32, x: i32) -> Turn {
+    let (across, up) = (x.unsigned_abs(), y.unsigned_abs());
+    let t = ratio(across.min(up), across.max(up));
+    // In turns, Q32: t (0.159151 − t² (0.052939 − t² (0.030803 − ...))); each bracket lies between 0 and its first term.
+    let square = mul_hi(t, t);
+    let mut bracket = 8_010_783;
+    let mut i = 0;
+    while i < 5 {
+        bracket = COEFFICIENTS[i] - mul_hi(bracket, square);
+        i += 1;
+    }
+    let eighth = mul_hi(t, bracket);
+    let quarter = if up > across { (1 << 30) - eighth } else { eighth };
+    let half = if x < 0 { (1 << 31) - quarter } else { quarter };
+    Turn::from_bits(if y < 0 { half.wrapping_neg() } else { half })
+}
+
+/// Of [`atan2`], the last but one first, Q32.
+static COEFFICIENTS: [u32; 5] = [35_987_874, 79_585_077, 132_297_472, 227_369_414, 683_549_703];

@@ -3,7 +3,7 @@ use super::{Mesh, Parts, Scene, SceneError, Shape};
 use crate::bvh::Node;
 use crate::color::Radiance;
 use crate::geom::Unit;
-use crate::light::Light;
+use crate::light::{Environment, Light};
 use crate::material::Material;
 use crate::shape::{Blob, Geometry};
 use heapless::Vec;
@@ -11,6 +11,17 @@ use heapless::Vec;
 /// Names a material of a [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialId(u16);
+
+/// What a scene borrows beside what its builder holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Borrowed<'a> {
+    /// Shapes name them as [`Geometry::Mesh`].
+    pub meshes: &'a [Mesh<'a>],
+    /// What metaballs and smooth unions are made of.
+    pub blobs: &'a [Blob],
+    /// A sky or a map; a constant environment is a [`Light`].
+    pub environment: Environment<'a>,
+}
 
 /// A scene on the stack: room for `SHAPES`, `MATERIALS` and `LIGHTS` (an emitting shape takes one of each).
 #[derive(Clone, Debug)]
@@ -126,16 +137,24 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         meshes: &'a [Mesh<'a>],
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
-        self.build_with_blobs(meshes, &[], nodes)
+        let borrowed = Borrowed {
+            meshes,
+            ..Borrowed::default()
+        };
+        self.build_from(borrowed, nodes)
     }
 
-    /// The same with blobs, of which metaballs and smooth unions are made.
-    pub fn build_with_blobs<'a>(
+    /// The same with all that can be borrowed.
+    pub fn build_from<'a>(
         &'a mut self,
-        meshes: &'a [Mesh<'a>],
-        blobs: &'a [Blob],
+        borrowed: Borrowed<'a>,
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
+        let Borrowed {
+            meshes,
+            blobs,
+            environment,
+        } = borrowed;
         if let Some(environment) = self.environment.take() {
             self.lights
                 .push(environment)
@@ -157,6 +176,8 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             bounded: found.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment,
+            choice: &[],
             meshes,
             blobs,
             grid: found.grid,

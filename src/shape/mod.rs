@@ -8,6 +8,7 @@ mod grid;
 mod implicit;
 mod mesh;
 mod planar;
+pub mod polygon;
 mod sight;
 mod sphere;
 pub(crate) mod triangle;

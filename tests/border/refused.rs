@@ -4,9 +4,10 @@ use fixed::types::U1F15;
 use microlux::bvh::{CheckError, Node, build_mesh};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
+use microlux::light::{Environment, Light, Map, MapError, MapParts, Sky, Texel};
 use microlux::material::Material;
-use microlux::scene::{MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
+use microlux::num::Turn;
+use microlux::scene::{Borrowed, MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
 use microlux::shape::{
     Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, MAX_BLOBS, MeshError, Metaballs, Plane,
     Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
@@ -96,7 +97,11 @@ fn too_few_nodes() {
 fn with_solid(solid: Implicit, blobs: &[Blob]) -> Result<(), SceneError> {
     let (mut b, white) = builder();
     b.shape(solid, white).unwrap();
-    b.build_with_blobs(&[], blobs, &mut [Node::EMPTY; 4]).map(|_| ())
+    let borrowed = Borrowed {
+        blobs,
+        ..Borrowed::default()
+    };
+    b.build_from(borrowed, &mut [Node::EMPTY; 4]).map(|_| ())
 }
 
 #[test]
@@ -553,6 +558,92 @@ fn parts_by_hand() {
     assert_eq!(elsewhere, outside);
     let coarse = with_parts(|parts, _, _| parts.unit = Unit::new(-99));
     assert_eq!(coarse, Ok(()));
+}
+
+#[test]
+fn skies_and_choices() {
+    let grey = Radiance::WHITE;
+    for (up, sun) in [(Dir([0; 3]), Dir::X), (Dir::Y, Dir([1 << 20, 0, 0]))] {
+        let sky = Sky::new(up, grey, grey, grey).with_sun(sun, Turn::from_bits(1 << 25), grey);
+        let with = |sky| with_parts(move |parts, _, _| parts.environment = Environment::Sky(sky));
+        let sky: &'static Sky = Box::leak(Box::new(sky));
+        let error = with(sky).unwrap_err();
+        assert_eq!(error, SceneError::SkyDirection);
+        assert!(error.to_string().starts_with("the sky: up"));
+    }
+    let table = |choice: &'static [u32]| with_parts(move |parts, _, _| parts.choice = choice);
+    assert_eq!(table(&[1]), Ok(()));
+    let wrong = Err(SceneError::Choice { needed: 1 });
+    assert_eq!(table(&[0]), wrong);
+    assert_eq!(table(&[1, 2]), wrong);
+    assert!(table(&[0]).unwrap_err().to_string().contains("1 bounds"));
+    // Two environments.
+    let even: &'static Sky = Box::leak(Box::new(Sky::new(Dir::Y, grey, grey, grey)));
+    let two = with_parts(|parts, _, lights| {
+        lights[1] = SKY;
+        parts.environment = Environment::Sky(even);
+    });
+    assert_eq!(two, Err(SceneError::Environment { light: 1 }));
+}
+
+#[test]
+fn maps() {
+    let texels = [Texel(0x8000_0001); 6];
+    let parts = MapParts {
+        width: 2,
+        height: 3,
+        texels: &texels,
+        exponent: 0,
+        axes: [Dir::X, Dir::Y, Dir::Z],
+        bands: &[9],
+        steps: &[7, 7],
+        steps_in_band: 2,
+    };
+    let error = |parts| Map::new(parts).map(|_| ()).err();
+    assert_eq!(error(parts), None);
+    let short = MapParts { height: 4, ..parts };
+    assert_eq!(error(short), Some(MapError::Texels { needed: 8 }));
+    assert_eq!(
+        MapError::Texels { needed: 8 }.to_string(),
+        "8 texels are needed; 1 to 16384 columns, 2 to 16384 rows"
+    );
+    let flat = MapParts {
+        height: 1,
+        width: 6,
+        ..parts
+    };
+    assert_eq!(error(flat), Some(MapError::Texels { needed: 6 }));
+    for (bands, steps, steps_in_band) in [
+        (&[0][..], &[7, 7][..], 2),
+        (&[9, 9], &[7, 7, 7], 2),
+        (&[9], &[7, 0], 2),
+        (&[9], &[7], 2),
+        (&[9], &[7, 7], 3),
+        (&[9], &[], 0),
+    ] {
+        let table = MapParts {
+            bands,
+            steps,
+            steps_in_band,
+            ..parts
+        };
+        assert_eq!(
+            error(table),
+            Some(MapError::Table),
+            "{bands:?} {steps:?} {steps_in_band}"
+        );
+    }
+    for axes in [
+        [Dir::X; 3],
+        [Dir([0; 3]), Dir::Y, Dir::Z],
+        [Dir([1 << 30; 3]), Dir::Y, Dir::Z],
+    ] {
+        assert_eq!(
+            error(MapParts { axes, ..parts }),
+            Some(MapError::Frame),
+            "{axes:?}"
+        );
+    }
 }
 
 /// The first node is where every ray begins: with nothing to check it against, it has to be missing.

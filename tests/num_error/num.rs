@@ -376,3 +376,59 @@ fn wide_numbers_at_their_ends() {
         Wide::new((std::f64::consts::FRAC_1_PI * 2f64.powi(29)).round() as u32, -29)
     );
 }
+
+#[test]
+fn ratios() {
+    let mut error = Figures::default();
+    let mut random = Random(41);
+    for _ in 0..1_000_000 {
+        let (x, y) = (random.any_size(), random.any_size());
+        let (a, b) = (x.min(y), x.max(y));
+        error.add(f64::from(ratio(a, b)) - f64::from(a) / f64::from(b) * 2f64.powi(32));
+    }
+    for x in [1, 2, 3, 77, 1 << 16, u32::MAX] {
+        assert!(ratio(x, x) >= u32::MAX - 16);
+        assert_eq!(ratio(0, x), 0);
+    }
+    assert_eq!(ratio(0, 0), 0);
+    error.assert(
+        "ratio, 2^-32",
+        Said {
+            max: 14.0,
+            rms: 1.5,
+            mean: Mean::Is(-1.2),
+        },
+    );
+}
+
+#[test]
+fn angles_of_vectors() {
+    let mut error = Figures::default();
+    let mut random = Random(42);
+    let mut hold = |y: i32, x: i32| {
+        let exact = f64::from(y).atan2(f64::from(x)) / std::f64::consts::TAU;
+        let found = f64::from(atan2(y, x).to_bits()) / 2f64.powi(32);
+        // The short way around.
+        error.add((found - exact + 1.5).rem_euclid(1.0) - 0.5);
+    };
+    for y in EDGES {
+        for x in EDGES {
+            hold(y, x);
+        }
+    }
+    for _ in 0..1_000_000 {
+        hold(random.signed(32), random.signed(32));
+        // Of unit vectors: every angle alike.
+        let (sin, cos) = sin_cos(Turn::from_bits(random.bits()));
+        hold(sin, cos);
+    }
+    assert_eq!(atan2(0, 0), Turn::ZERO);
+    error.assert(
+        "atan2, turns",
+        Said {
+            max: 3.0e-7,
+            rms: 1.9e-7,
+            mean: Mean::Within(2e-9),
+        },
+    );
+}

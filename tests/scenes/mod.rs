@@ -3,7 +3,7 @@
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
+use microlux::light::{Environment, Light};
 use microlux::material::{Dielectric, Material};
 use microlux::num::{Metres, Share};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
@@ -327,6 +327,8 @@ impl Draft {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             blobs: &self.blobs,
             grid: self.arrangement.grid,
