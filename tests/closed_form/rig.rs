@@ -275,7 +275,7 @@ impl<'a> Stage<'a> {
         let mut nodes = [Node::EMPTY; max_nodes(8)];
         let environment = match (&self.sky, &self.map) {
             (Some(sky), _) => Environment::Sky(sky),
-            (_, Some(map)) => Environment::Map(map),
+            (_, Some(map)) => Environment::Map(*map),
             _ => Environment::None,
         };
         let borrowed = Borrowed {
