@@ -293,10 +293,15 @@ mod tests {
             map.map().unwrap();
             let found = mean_of(&map);
             for i in 0..3 {
-                // A few texels round alike: half a step of nine bits.
                 let error = found[i] / exact[i] - 1.0;
+                // A few texels may all round alike, by half a step of the largest channel's nine bits.
+                let (few, apart) = (width * height < 100, (found[i] - exact[i]).abs());
+                let half_step = exact.into_iter().fold(0.0, f64::max) / 512.0;
                 println!("{width} x {height}, channel {i}: {error:+.1e}");
-                assert!(error.abs() < 2e-3, "{width} x {height}: {found:?} for {exact:?}");
+                assert!(
+                    error.abs() < 1.6e-3 || (few && apart < half_step),
+                    "{width} x {height}: {found:?} for {exact:?}"
+                );
             }
         }
     }
