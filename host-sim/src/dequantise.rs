@@ -2,10 +2,13 @@
 
 use crate::quantise::{CoreScene, QuantiseError};
 use crate::reference;
-use crate::reference::{Camera, Geometry, Lens, Light, Material, Mesh, Shape, Vec3, vec3};
+use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Shape, Vec3, vec3};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point};
+use microlux::light::Environment;
 use std::sync::Arc;
+
+mod material;
 
 /// From units of the scene frame to metres.
 pub struct Frame {
@@ -86,10 +89,11 @@ pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
             }),
         },
         shapes: shapes.collect(),
-        materials: parts.materials.iter().map(material).collect(),
+        materials: parts.materials.iter().map(material::material).collect(),
         lights: lights
             .iter()
             .filter_map(|light| free_light(&frame, light))
+            .chain(background(checked.environment()))
             .collect(),
     })
 }
@@ -139,30 +143,47 @@ fn geometry(
     }
 }
 
-fn material(material: &microlux::material::Material) -> Material {
-    use microlux::material::Material as Core;
-    match *material {
-        Core::Black => Material::Black,
-        Core::Lambert { albedo: a, two_sided } => Material::Diffuse {
-            reflectance: albedo(a).into(),
-            two_sided,
-        },
-        Core::Mirror {
-            reflectance,
-            two_sided,
-        } => Material::Mirror {
-            reflectance: albedo(reflectance).into(),
-            two_sided,
-        },
-        Core::Dielectric(d) => {
-            let (reflectance, transmittance) = d.tints();
-            Material::Dielectric {
-                eta: d.eta().to_num(),
-                specular_reflectance: albedo(reflectance).into(),
-                specular_transmittance: albedo(transmittance).into(),
-            }
+/// A sky, its sun, or a map; a constant environment is one of the lights.
+fn background(environment: &Environment) -> Vec<Light> {
+    match environment {
+        Environment::None | Environment::Constant(_) => Vec::new(),
+        Environment::Sky(sky) => {
+            let [zenith, horizon, ground] = sky.colors().map(|color| radiance(color).into());
+            let gradient = Light::Gradient(reference::Gradient {
+                zenith,
+                horizon,
+                ground,
+                up: dir(sky.up()),
+            });
+            let sun = sky.sun().map(|(direction, cone, color)| {
+                let versine = wide(cone.versine());
+                Light::Sun(reference::Sun {
+                    direction: dir(direction),
+                    radiance: radiance(color).into(),
+                    // 1 − cos α = 2 sin² (α/2)
+                    angle: 4.0 * (versine / 2.0).sqrt().asin().to_degrees(),
+                })
+            });
+            std::iter::once(gradient).chain(sun).collect()
+        }
+        Environment::Map(map) => {
+            let [width, height] = map.size().map(usize::from);
+            let (texels, exponent) = map.texels();
+            let pixels = texels
+                .iter()
+                .map(|texel| radiance(texel.radiance(i32::from(exponent))).into());
+            vec![Light::Map(Arc::new(reference::Map {
+                width,
+                height,
+                pixels: pixels.collect(),
+                axes: map.axes().map(unit),
+            }))]
         }
     }
+}
+
+fn wide(x: microlux::num::Wide) -> f64 {
+    f64::from(x.mantissa()) * f64::from(i32::from(x.exponent()) - 15).exp2()
 }
 
 fn free_light(frame: &Frame, light: &microlux::light::Light) -> Option<Light> {

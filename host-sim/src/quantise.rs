@@ -1,17 +1,20 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
-use crate::desc::{BsdfDesc, GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::envmap::{self, BakedMap};
 use fixed::types::I12F20;
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::{Environment, Light};
-use microlux::material::{Dielectric, Material};
-use microlux::num::{Metres, Share};
+use microlux::light::{Environment, Light, Sky};
+use microlux::material::Material;
+use microlux::num::{Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 use thiserror::Error;
+
+mod material;
 
 /// What the fixed-point core can't take.
 #[derive(Debug, Error)]
@@ -34,7 +37,17 @@ pub fn losses(desc: &SceneDesc) -> Vec<String> {
             "{name}: its smooth normals are left out, its faces are flat; face_normals true says that they shall be"
         )
     };
-    desc.shapes.iter().filter(smooth).map(line).collect()
+    let mut lines: Vec<String> = desc.shapes.iter().filter(smooth).map(line).collect();
+    for light in &desc.lights {
+        if let LightDesc::EnvMap { width, height, .. } = light
+            && let Some([across, down]) = envmap::resizing(*width as usize, *height as usize)
+        {
+            lines.push(format!(
+                "envmap: its {width} x {height} pixels become {across} x {down}, of the same mean"
+            ));
+        }
+    }
+    lines
 }
 
 /// A scene in the core's numbers, owned.
@@ -51,6 +64,17 @@ pub struct CoreScene {
     nodes: Vec<Node>,
     arrangement: Arrangement,
     names: Vec<String>,
+    background: Background,
+    /// How lights are chosen, by their power.
+    choice: Vec<u32>,
+}
+
+/// What surrounds the scene and is no constant.
+#[derive(Debug)]
+enum Background {
+    None,
+    Sky(Sky),
+    Map(BakedMap),
 }
 
 /// A mesh in its own grid, with the tree over it.
@@ -87,7 +111,7 @@ impl CoreScene {
         let materials = desc
             .materials
             .iter()
-            .map(|m| material(&m.name, m.two_sided, &m.bsdf));
+            .map(|m| material::material(&m.name, m.two_sided, &m.bsdf));
         let materials = materials.collect::<Result<Vec<_>, _>>()?;
         let mut shapes = Vec::new();
         let mut lights = Vec::new();
@@ -115,6 +139,7 @@ impl CoreScene {
             });
         }
         let mut environment = None;
+        let mut background = Background::None;
         for light in &desc.lights {
             match light {
                 LightDesc::Point { position, intensity } => {
@@ -137,11 +162,32 @@ impl CoreScene {
                         radiance: radiance(*r),
                     });
                 }
-                LightDesc::Gradient { .. } | LightDesc::EnvMap { .. } => {
-                    let name = variant(light);
-                    let what =
-                        "the fixed-point core has no such environment yet; use a constant one".to_string();
-                    return Err(QuantiseError::Unsupported { name, what });
+                LightDesc::Gradient {
+                    zenith,
+                    horizon,
+                    ground,
+                    up,
+                    sun,
+                } => {
+                    let sky = Sky::new(dir(*up), radiance(*zenith), radiance(*horizon), radiance(*ground));
+                    background = Background::Sky(match sun {
+                        Some(sun) => sky.with_sun(
+                            dir(sun.direction),
+                            Turn::saturating_from_num(sun.angle / 360.0),
+                            radiance(sun.radiance),
+                        ),
+                        None => sky,
+                    });
+                }
+                LightDesc::EnvMap {
+                    width,
+                    height,
+                    pixels,
+                    to_world,
+                } => {
+                    let axes = to_world.map(dir);
+                    let map = BakedMap::new(*width as usize, *height as usize, pixels, axes);
+                    background = Background::Map(map);
                 }
             }
         }
@@ -154,7 +200,7 @@ impl CoreScene {
             .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         nodes.truncate(arrangement.nodes);
         let camera = round.camera(desc);
-        Ok(CoreScene {
+        let mut core = CoreScene {
             unit,
             origin,
             camera,
@@ -165,7 +211,30 @@ impl CoreScene {
             nodes,
             arrangement,
             names,
-        })
+            background,
+            choice: Vec::new(),
+        };
+        core.choose_by_power();
+        Ok(core)
+    }
+
+    /// Makes the table by which lights are chosen; a scene that the border refuses has none.
+    fn choose_by_power(&mut self) {
+        let meshes = self.meshes();
+        let mut table = Vec::new();
+        if let Ok(scene) = self.scene(&meshes) {
+            table = vec![0; scene.light_count().saturating_sub(1) as usize];
+            scene.choose_by_power(&mut table);
+        }
+        self.choice = table;
+    }
+
+    /// Bytes of constant memory that a map of the environment takes.
+    pub fn map_bytes(&self) -> usize {
+        match &self.background {
+            Background::Map(map) => map.map().map_or(0, |map| map.bytes()),
+            Background::None | Background::Sky(_) => 0,
+        }
     }
 
     /// The meshes as the core borrows them.
@@ -181,8 +250,17 @@ impl CoreScene {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
-            environment: Environment::None,
-            choice: &[],
+            environment: match &self.background {
+                Background::None => Environment::None,
+                Background::Sky(sky) => Environment::Sky(sky),
+                Background::Map(map) => {
+                    Environment::Map(map.map().map_err(|error| QuantiseError::Unsupported {
+                        name: "envmap".into(),
+                        what: error.to_string(),
+                    })?)
+                }
+            },
+            choice: &self.choice,
             meshes,
             blobs: &[],
             grid: self.arrangement.grid,
@@ -404,37 +482,4 @@ fn variant(value: &impl std::fmt::Debug) -> String {
     let said = format!("{value:?}");
     let end = said.find([' ', '{', '(']).unwrap_or(said.len());
     said[..end].to_lowercase()
-}
-
-fn material(name: &str, two_sided: bool, bsdf: &BsdfDesc) -> Result<Material, QuantiseError> {
-    Ok(match bsdf {
-        BsdfDesc::Diffuse { reflectance } => Material::Lambert {
-            albedo: albedo(*reflectance),
-            two_sided,
-        },
-        BsdfDesc::Conductor {
-            specular_reflectance,
-            eta_k: None,
-        } => Material::Mirror {
-            reflectance: albedo(*specular_reflectance),
-            two_sided,
-        },
-        BsdfDesc::Dielectric {
-            int_ior,
-            ext_ior,
-            specular_reflectance,
-            specular_transmittance,
-        } => Material::Dielectric(
-            Dielectric::new(Metres::saturating_from_num(int_ior / ext_ior))
-                .tinted(albedo(*specular_reflectance), albedo(*specular_transmittance)),
-        ),
-        other => {
-            let kind = variant(other);
-            let what = format!("the fixed-point core has no {kind} yet; use diffuse, dielectric or a mirror");
-            return Err(QuantiseError::Unsupported {
-                name: name.to_string(),
-                what,
-            });
-        }
-    })
 }

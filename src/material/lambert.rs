@@ -1,20 +1,8 @@
-use super::{BsdfSample, Local};
+use super::{BsdfSample, Local, facing};
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Frame};
 use crate::num::{Uniform, Wide};
 use crate::sampler::warp;
-
-/// The normal on the eye's side; `None` behind a one-sided surface.
-#[inline]
-fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
-    if local.wo.dot_q24(local.normal) > 0 {
-        Some(local.normal)
-    } else if two_sided {
-        Some(-local.normal)
-    } else {
-        None
-    }
-}
 
 /// f·cos θi = ρ/π · cos θi, density cos θi / π.
 #[inline]
@@ -25,6 +13,12 @@ pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> O
     }
     let pdf = warp::pdf_cosine_hemisphere(cos);
     Some((Radiance::from_albedo(albedo, pdf), pdf))
+}
+
+/// The density of [`eval`].
+#[inline]
+pub(super) fn pdf(two_sided: bool, local: &Local, wi: Dir) -> Wide {
+    facing(two_sided, local).map_or(Wide::ZERO, |normal| warp::pdf_cosine_hemisphere(wi.dot(normal)))
 }
 
 /// Cosine-distributed about the normal: the weight is the reflectance.

@@ -1,4 +1,4 @@
-use super::{Turn, mul_hi, ratio};
+use super::{ONE_Q16, Turn, mul_hi, mul_shift, ratio, rsqrt};
 
 /// Sine and cosine of an angle in turns, both Q16 in −65536 ..= 65536.
 ///
@@ -29,6 +29,26 @@ pub fn sin_cos(angle: Turn) -> (i32, i32) {
         2 => (-s, -c),
         _ => (-c, s),
     }
+}
+
+/// Angle of a cosine (Q16, 0 ..= 65536; others count as the nearest), in quarter turns, Q16: 0 ..= 65536.
+///
+/// Error against the angle of `cos` as it stands: max 1.8e-5 quarter turns (1.2 ulp), RMS 5.9e-6, mean 2.5e-6
+/// (`tests/num_error`). √(1 − x) times a polynomial of degree 4, minimax (the form of Abramowitz and Stegun, 4.4.45).
+#[inline]
+pub fn acos(cos: i32) -> i32 {
+    let x = cos.clamp(0, ONE_Q16);
+    let rest = (ONE_Q16 - x) as u32;
+    if rest == 0 {
+        return 0;
+    }
+    // √rest · 2^(half + 15), 31 bits, is √(1 − x) · 2^(half + 23).
+    let (mantissa, half) = rsqrt(rest);
+    let root = mul_hi(rest << (2 * half), mantissa) as i32;
+    // Q17; x in Q16 and factors under 2^14.2 stay under 2^31.
+    let step = |sum: i32, next: i32| ((sum * x + (1 << 15)) >> 16) + next;
+    let series = [-3139, 7146, -17_880, 131_072].into_iter().fold(812, step);
+    (mul_shift(root, series, half + 23) + 1) >> 1
 }
 
 /// The angle of (`x`, `y`) from the x axis towards the y axis; 0 for nothing.

@@ -3,6 +3,7 @@ use super::{Parts, Scene};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::geom::{Dir, Point, REACH};
 use crate::light::{Environment, Light};
+use crate::material::MaterialError;
 use crate::num::ONE_Q16;
 use crate::shape::{Blob, Geometry, Grid, ImplicitError};
 
@@ -25,8 +26,8 @@ pub enum SceneError {
     Blobs { shape: u16 },
     /// An infinite plane can't be a light.
     PlaneLight { shape: u16 },
-    /// A reflectance is above 1.
-    Albedo { material: u16 },
+    /// Something of the material is out of range.
+    Material { material: u16, error: MaterialError },
     /// A light's shape does not exist, or does not name it as its light.
     LightShape { light: u16 },
     /// A light stands beyond ±2·[`REACH`] units.
@@ -82,7 +83,7 @@ impl core::fmt::Display for SceneError {
                 )
             }
             Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
-            Self::Albedo { material } => write!(f, "material {material}: a reflectance is above 1"),
+            Self::Material { material, error } => write!(f, "material {material}: {error}"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
             Self::LightDirection { light } => write!(f, "light {light}: its direction is no unit vector"),
@@ -134,11 +135,10 @@ impl<'a> Scene<'a> {
     /// Checks everything once; after this, rendering can't fail.
     pub fn new(parts: Parts<'a>) -> Result<Scene<'a>, SceneError> {
         for (index, material) in parts.materials.iter().enumerate() {
-            if !material.is_valid() {
-                return Err(SceneError::Albedo {
-                    material: index as u16,
-                });
-            }
+            material.check().map_err(|error| SceneError::Material {
+                material: index as u16,
+                error,
+            })?;
         }
         for (index, shape) in parts.shapes.iter().enumerate() {
             check_geometry(&shape.geometry, shape.id, parts.blobs)?;

@@ -336,7 +336,7 @@ fn refused_or_rendered() {
             let mut parts = draft.parts(&meshes);
             match random.below(6) {
                 0 => parts.environment = Environment::Sky(&sky),
-                1 => parts.environment = map.as_ref().map_or(Environment::None, Environment::Map),
+                1 => parts.environment = map.map_or(Environment::None, Environment::Map),
                 _ => (),
             }
             if random.one_in(20) {

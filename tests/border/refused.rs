@@ -5,8 +5,11 @@ use microlux::bvh::{CheckError, Node, build_mesh};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
 use microlux::light::{Environment, Light, Map, MapError, MapParts, Sky, Texel};
-use microlux::material::Material;
-use microlux::num::Turn;
+use microlux::material::{
+    BlinnPhong, Conductor, Dielectric, Material, MaterialError, OrenNayar, OrenNayarModel, RoughDielectric,
+};
+use microlux::num::{Metres, Turn};
+use microlux::q;
 use microlux::scene::{Borrowed, MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
 use microlux::shape::{
     Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, MAX_BLOBS, MeshError, Metaballs, Plane,
@@ -380,8 +383,83 @@ fn materials() {
         let mut b = b.clone();
         b.material(material).unwrap();
         let error = built(b).unwrap_err();
-        assert_eq!(error, SceneError::Albedo { material: 1 });
+        assert_eq!(
+            error,
+            SceneError::Material {
+                material: 1,
+                error: MaterialError::Reflectance
+            }
+        );
         assert_eq!(error.to_string(), "material 1: a reflectance is above 1");
+    }
+    // Each of a material's numbers, at the edge and just beyond.
+    let refusal = |material: Material| {
+        let mut b = b.clone();
+        b.material(material).unwrap();
+        match built(b) {
+            Ok(()) => None,
+            Err(SceneError::Material { material: 1, error }) => Some(error),
+            Err(other) => panic!("{other}"),
+        }
+    };
+    let (white, share) = (Albedo::WHITE, U1F15::from_bits);
+    for model in [
+        OrenNayarModel::Full,
+        OrenNayarModel::Qualitative,
+        OrenNayarModel::EnergyPreserving,
+    ] {
+        let rough = |albedo, bits| Material::OrenNayar(OrenNayar::new(model, albedo, Turn::from_bits(bits)));
+        assert_eq!(refusal(rough(white, 1 << 30)), None);
+        assert_eq!(
+            refusal(rough(white, (1 << 30) + (1 << 15))),
+            Some(MaterialError::Sigma)
+        );
+        assert_eq!(refusal(rough(white, u32::MAX)), Some(MaterialError::Sigma));
+        assert_eq!(refusal(rough(bright, 0)), Some(MaterialError::Reflectance));
+    }
+    let phong = |d, s, exponent| Material::BlinnPhong(BlinnPhong::new(d, s, exponent));
+    assert_eq!(refusal(phong(white, white, q!(16384))), None);
+    assert_eq!(
+        refusal(phong(white, white, q!(16385))),
+        Some(MaterialError::Exponent)
+    );
+    assert_eq!(
+        refusal(phong(white, white, q!(-1))),
+        Some(MaterialError::Exponent)
+    );
+    assert_eq!(
+        refusal(phong(white, bright, q!(1))),
+        Some(MaterialError::Reflectance)
+    );
+    assert_eq!(
+        refusal(phong(bright, white, q!(1))),
+        Some(MaterialError::Reflectance)
+    );
+    let metal = |albedo, alpha| Material::Conductor(Conductor::new(albedo).rough(share(alpha)));
+    assert_eq!(
+        [0, 32, 32768].map(|alpha| refusal(metal(white, alpha))),
+        [None; 3]
+    );
+    for alpha in [1, 31, 32769] {
+        assert_eq!(refusal(metal(white, alpha)), Some(MaterialError::Roughness));
+    }
+    assert_eq!(refusal(metal(bright, 100)), Some(MaterialError::Reflectance));
+    let glass = |eta, alpha| {
+        let smooth = Dielectric::new(Metres::from_bits(eta));
+        Material::RoughDielectric(RoughDielectric::new(smooth, share(alpha)))
+    };
+    assert_eq!(refusal(glass(98304, 32)), None);
+    assert_eq!(refusal(glass(65536 + 512, 100)), None);
+    assert_eq!(refusal(glass(98304, 0)), Some(MaterialError::Roughness));
+    assert_eq!(refusal(glass(98304, 32769)), Some(MaterialError::Roughness));
+    assert_eq!(refusal(glass(65536 + 511, 100)), Some(MaterialError::Index));
+    assert_eq!(refusal(glass(65536 - 511, 100)), Some(MaterialError::Index));
+    let tinted = Dielectric::new(q!(1.5)).tinted(white, bright);
+    for material in [
+        Material::Dielectric(tinted),
+        Material::RoughDielectric(RoughDielectric::new(tinted, share(100))),
+    ] {
+        assert_eq!(refusal(material), Some(MaterialError::Reflectance));
     }
     // A material of another builder's.
     let mut other = Builder::new();
