@@ -435,7 +435,10 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         bytes_geometry: size_of_val(parts.shapes) + meshes.iter().map(mesh_bytes).sum::<usize>(),
         bytes_bvh: nodes * size_of::<Node>(),
         bytes_normals: 0,
-        bytes_rest: size_of_val(parts.materials) + size_of_val(parts.lights) + size_of_val(&scene),
+        bytes_rest: size_of_val(parts.materials)
+            + size_of_val(parts.lights)
+            + core.map_bytes()
+            + size_of_val(&scene),
         ram: vec![
             (
                 "tile",

@@ -286,12 +286,13 @@ impl<'a> Stage<'a> {
         let mut nodes = [Node::EMPTY; max_nodes(8)];
         let environment = match (&self.sky, &self.map) {
             (Some(sky), _) => Environment::Sky(sky),
-            (_, Some(map)) => Environment::Map(map),
+            (_, Some(map)) => Environment::Map(*map),
             _ => Environment::None,
         };
         let borrowed = Borrowed {
             meshes: &meshes,
             environment,
+            ..Borrowed::default()
         };
         let scene = self.builder.build_from(borrowed, &mut nodes).unwrap();
         let mut means = Vec::new();
