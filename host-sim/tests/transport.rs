@@ -82,3 +82,21 @@ fn the_core_agrees_with_the_reference() {
         }
     }
 }
+
+#[test]
+fn ambient_occlusion_agrees_with_the_reference() {
+    let cancel = AtomicBool::new(false);
+    for radius in [None, Some(0.5)] {
+        let mut desc = builtin::scene("cornell").unwrap();
+        desc.integrator.ao_radius = radius;
+        let made = |seed, spp| options(&desc, IntegratorKind::Ao, false, seed, spp);
+        let (truth, truth_error) = estimate(|seed| render_reference(&desc, &made(seed, 64), &(), &cancel));
+        let (mean, error) = estimate(|seed| render_fixed(&desc, &made(seed, 64), &(), &cancel));
+        let error = error.hypot(truth_error);
+        println!("ao within {radius:?}: {mean} and {truth}, error {error}");
+        assert!(
+            (mean - truth).abs() <= BUDGET * truth + MOST * error,
+            "{radius:?}: {mean} is not {truth}"
+        );
+    }
+}
