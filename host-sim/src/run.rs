@@ -250,11 +250,6 @@ pub fn render_reference(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
-    if options.integrator == IntegratorKind::Ao {
-        return Err(Error::Scene(
-            "the reference has no integrator ao yet; take path or direct".into(),
-        ));
-    }
     let scene = dequantise::scene(&CoreScene::new(desc)?)?;
     let path = integrator(desc, options);
     let settings = reference::Settings {
@@ -265,6 +260,12 @@ pub fn render_reference(
         rr_depth: u32::from(path.rr_depth),
         hide_emitters: path.hide_emitters,
         seed: u64::from(options.seed),
+        estimator: match options.integrator {
+            IntegratorKind::Ao => reference::Estimator::AmbientOcclusion {
+                radius: desc.integrator.ao_radius.unwrap_or(f64::INFINITY),
+            },
+            _ => reference::Estimator::Guided,
+        },
         ..reference::Settings::default()
     };
     let rows = options.height as usize;
