@@ -130,7 +130,7 @@ fn materials_under_a_sky() -> Scene {
             two_sided: false,
         },
         Material::RoughDielectric {
-            alpha: 0.5,
+            alpha: 0.8,
             eta: 1.5,
             specular_reflectance: Rgb::ONE,
             specular_transmittance: Rgb::ONE,
