@@ -197,6 +197,16 @@ impl Radiance {
         Wide::new(if a > b { a as u32 } else { b as u32 }, self.exponent as i32 - 15)
     }
 
+    /// Luminance in whole 256ths, 54 : 183 : 19 (Rec. 709: 54.4, 183.1, 18.5): what to draw more of, not what is seen.
+    ///
+    /// More than 0 wherever a channel is.
+    #[inline]
+    pub const fn luminance(self) -> Wide {
+        let m = self.mantissa;
+        let sum = 54 * m[0] as u32 + 183 * m[1] as u32 + 19 * m[2] as u32;
+        Wide::new(sum, self.exponent as i32 - 23)
+    }
+
     /// Channels with 32 bits below the point, rounded to nearest, at most 2^16 (`(1 << 48) − 1`): what a film adds up.
     #[inline]
     pub const fn to_q32(self) -> [u64; 3] {

@@ -2,10 +2,12 @@
 
 use crate::quantise::{CoreScene, QuantiseError};
 use crate::reference;
-use crate::reference::{Camera, Geometry, Lens, Light, Material, Mesh, Shape, Vec3, vec3};
+use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Shape, Vec3, vec3};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point};
 use std::sync::Arc;
+
+mod material;
 
 /// From units of the scene frame to metres.
 pub struct Frame {
@@ -86,7 +88,7 @@ pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
             }),
         },
         shapes: shapes.collect(),
-        materials: parts.materials.iter().map(material).collect(),
+        materials: parts.materials.iter().map(material::material).collect(),
         lights: lights
             .iter()
             .filter_map(|light| free_light(&frame, light))
@@ -134,32 +136,6 @@ fn geometry(
                 .collect();
             let triangles = mesh.triangles.iter().map(|t| t.map(u32::from)).collect();
             Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, Vec::new())))
-        }
-    }
-}
-
-fn material(material: &microlux::material::Material) -> Material {
-    use microlux::material::Material as Core;
-    match *material {
-        Core::Black => Material::Black,
-        Core::Lambert { albedo: a, two_sided } => Material::Diffuse {
-            reflectance: albedo(a).into(),
-            two_sided,
-        },
-        Core::Mirror {
-            reflectance,
-            two_sided,
-        } => Material::Mirror {
-            reflectance: albedo(reflectance).into(),
-            two_sided,
-        },
-        Core::Dielectric(d) => {
-            let (reflectance, transmittance) = d.tints();
-            Material::Dielectric {
-                eta: d.eta().to_num(),
-                specular_reflectance: albedo(reflectance).into(),
-                specular_transmittance: albedo(transmittance).into(),
-            }
         }
     }
 }

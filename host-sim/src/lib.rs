@@ -10,5 +10,6 @@ pub mod picture;
 pub mod primary;
 pub mod quantise;
 pub mod reference;
+pub mod report;
 pub mod run;
 pub mod show;

@@ -23,6 +23,19 @@ pub struct PrimaryReport {
     pub hit_point_error_away: Percentiles,
 }
 
+impl PrimaryReport {
+    /// The numbers with the names that files have for them.
+    pub fn entries(&self) -> [(&'static str, f64); 5] {
+        [
+            ("hit_miss_disagreement", self.hit_miss_disagreement),
+            ("hit_point_error_p50", self.hit_point_error.p50),
+            ("hit_point_error_p99", self.hit_point_error.p99),
+            ("hit_point_error_p9999", self.hit_point_error_away.p9999),
+            ("hit_point_error_max", self.hit_point_error.max),
+        ]
+    }
+}
+
 /// A pixel stands at a silhouette if in its 3×3 neighbourhood in the f64 picture the farthest depth is more than this
 /// many times the nearest, or some rays hit and some miss.
 pub const DISCONTINUITY: f64 = 1.05;

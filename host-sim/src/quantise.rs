@@ -1,17 +1,19 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
-use crate::desc::{BsdfDesc, GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
 use fixed::types::I12F20;
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
-use microlux::material::{Dielectric, Material};
-use microlux::num::{Metres, Share};
+use microlux::light::{Environment, Light};
+use microlux::material::Material;
+use microlux::num::Share;
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 use thiserror::Error;
+
+mod material;
 
 /// What the fixed-point core can't take.
 #[derive(Debug, Error)]
@@ -87,7 +89,7 @@ impl CoreScene {
         let materials = desc
             .materials
             .iter()
-            .map(|m| material(&m.name, m.two_sided, &m.bsdf));
+            .map(|m| material::material(&m.name, m.two_sided, &m.bsdf));
         let materials = materials.collect::<Result<Vec<_>, _>>()?;
         let mut shapes = Vec::new();
         let mut lights = Vec::new();
@@ -181,6 +183,8 @@ impl CoreScene {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             grid: self.arrangement.grid,
             nodes: &self.nodes,
@@ -401,37 +405,4 @@ fn variant(value: &impl std::fmt::Debug) -> String {
     let said = format!("{value:?}");
     let end = said.find([' ', '{', '(']).unwrap_or(said.len());
     said[..end].to_lowercase()
-}
-
-fn material(name: &str, two_sided: bool, bsdf: &BsdfDesc) -> Result<Material, QuantiseError> {
-    Ok(match bsdf {
-        BsdfDesc::Diffuse { reflectance } => Material::Lambert {
-            albedo: albedo(*reflectance),
-            two_sided,
-        },
-        BsdfDesc::Conductor {
-            specular_reflectance,
-            eta_k: None,
-        } => Material::Mirror {
-            reflectance: albedo(*specular_reflectance),
-            two_sided,
-        },
-        BsdfDesc::Dielectric {
-            int_ior,
-            ext_ior,
-            specular_reflectance,
-            specular_transmittance,
-        } => Material::Dielectric(
-            Dielectric::new(Metres::saturating_from_num(int_ior / ext_ior))
-                .tinted(albedo(*specular_reflectance), albedo(*specular_transmittance)),
-        ),
-        other => {
-            let kind = variant(other);
-            let what = format!("the fixed-point core has no {kind} yet; use diffuse, dielectric or a mirror");
-            return Err(QuantiseError::Unsupported {
-                name: name.to_string(),
-                what,
-            });
-        }
-    })
 }

@@ -94,6 +94,12 @@ fn help_is_for_newcomers() {
         let help = host_sim(&folder).args([command, "--help"]).assert().success();
         help.stdout(contains("Examples:").and(contains("--max-depth")));
     }
+    let help = host_sim(&folder).args(["report", "--help"]).assert().success();
+    help.stdout(
+        contains("Examples:")
+            .and(contains("--quick"))
+            .and(contains("bdpt").or(contains("direct"))),
+    );
     host_sim(&folder)
         .arg("--version")
         .assert()

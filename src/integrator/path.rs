@@ -1,7 +1,6 @@
 use super::{Integrator, SplatSink, View, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
-use crate::light::choose;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 use crate::scene::{Scene, Seen, Vertex};
@@ -66,7 +65,12 @@ impl Path {
             let hit = match seen {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
-                    sum = sum.add(throughput.mul(scene.environment()));
+                    let mut background = throughput.mul(scene.background(ray.dir));
+                    let light_pdf = scene.background_pdf(ray.dir);
+                    if !bsdf_pdf.is_zero() && !light_pdf.is_zero() {
+                        background = background.scale(power_heuristic(bsdf_pdf, light_pdf));
+                    }
+                    sum = sum.add(background);
                     break;
                 }
                 Some(Seen::Environment) | None => break,
@@ -94,7 +98,7 @@ impl Path {
 
             let (choice, place) = (sampler.next_1d(), sampler.next_2d());
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
-            let (light, roulette) = choose(choice, scene.light_count());
+            let (light, roulette) = scene.choose_light(choice);
             if vertex.material.is_smooth() {
                 let direct = self.sample_light(scene, &vertex, light, place, rays);
                 sum = sum.add(throughput.mul(direct));
@@ -153,12 +157,12 @@ impl Path {
             return Radiance::BLACK;
         }
         let arriving = reflected.mul(sample.radiance);
-        // One of `light_count` is chosen: the density is that much smaller.
-        let count = Wide::new(scene.light_count(), 0);
+        // One of several is chosen: the density is that much smaller.
+        let chance = scene.light_chance(light);
         if sample.is_delta() {
-            return arriving.scale(count);
+            return arriving.scale(chance.recip());
         }
-        let pdf = sample.pdf / count;
+        let pdf = sample.pdf * chance;
         arriving.scale(power_heuristic(pdf, bsdf_pdf) / pdf)
     }
 }

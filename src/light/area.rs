@@ -1,7 +1,7 @@
 use super::{Emitter, LightSample};
 use crate::color::Radiance;
 use crate::geom::{Dir, Frame, Point};
-use crate::num::{ONE_Q16, Turn, Uniform, Wide, isqrt, mul_q16, recip, sin_cos};
+use crate::num::{ONE_Q16, Uniform, Wide, isqrt, mul_q16, recip};
 use crate::sampler::warp;
 use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere, Surface};
 
@@ -179,9 +179,8 @@ struct Cone {
 }
 
 impl Cone {
-    /// 1 / (2π (1 − cos θmax)).
     fn pdf(&self) -> Wide {
-        (Wide::PI.shl(1) * self.versine).recip()
+        warp::pdf_cone(self.versine)
     }
 }
 
@@ -202,26 +201,14 @@ fn cone(sphere: &Sphere, from: Point) -> Option<Cone> {
     })
 }
 
-/// Uniform in the cone, in quantities that keep their precision for cones of any width.
+/// Uniform in the cone.
 fn sample_sphere(sphere: &Sphere, radiance: Radiance, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
     let cone = cone(sphere, from)?;
-    // With q = 1 − cos θmax: 1 − cos θ = u q, so (sin θ / sin θmax)² = u (2 − u q) / (2 − q).
-    let q = cone.versine.to_fixed(16) as i32;
-    let u0 = (u[0].to_bits() >> 16) as i32;
-    let uq = mul_q16(u0, q);
-    let share = recip((2 * ONE_Q16 - q) as u32).times(mul_q16(u0, 2 * ONE_Q16 - uq), 16);
-    let share = (share.clamp(0, ONE_Q16 - 1) as u32) << 16;
-    let sin_theta = mul_q16(isqrt(share) as i32, cone.sin2_max.sqrt().to_fixed(16) as i32);
-    let (sin_phi, cos_phi) = sin_cos(Turn::from_bits(u[1].to_bits()));
-    let local = Dir([
-        mul_q16(sin_theta, cos_phi),
-        mul_q16(sin_theta, sin_phi),
-        ONE_Q16 - uq,
-    ]);
+    let (local, share) = warp::sample_cone(u, cone.versine, cone.sin2_max.sqrt());
     // The way there leads d cos θ ahead, less half a chord: r √(1 − (sin θ / sin θmax)²) (pbrt, 4th ed., 6.2.4).
     let chord = mul_q16(sphere.radius, isqrt(!share) as i32);
     // From where an endless plane is met, lengths may be past the end of the numbers.
-    let distance = mul_q16(cone.distance, ONE_Q16 - uq).saturating_sub(chord);
+    let distance = mul_q16(cone.distance, local.0[2]).saturating_sub(chord);
     Some(LightSample {
         wi: Frame::about(cone.axis).to_world(local),
         distance,

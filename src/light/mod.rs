@@ -2,16 +2,24 @@
 //! trace rays.
 
 mod area;
+mod choice;
 mod emit;
+mod environment;
+mod map;
+mod sky;
 
 use crate::color::Radiance;
 use crate::geom::{Dir, FAR, Point};
-use crate::num::{Uniform, Wide};
+use crate::num::Wide;
 use crate::shape::Geometry;
 
 pub(crate) use area::short_of;
 pub use area::{pdf_area, sample_area, sample_surface, surface_area};
+pub use choice::{chance_by, choose, choose_by, share_out};
 pub use emit::{Emission, POINT_DENSITY, area_density, emit_area, emit_point};
+pub use environment::{Environment, EnvironmentSample};
+pub use map::{Map, MapError, MapParts, Texel};
+pub use sky::Sky;
 
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -96,14 +104,4 @@ pub enum Emitter<'a> {
         area: Wide,
         chance: Wide,
     },
-}
-
-/// Two uniform numbers of one dimension: an index below `count`, and what is left as a new uniform number.
-///
-/// If there is nothing to choose from, index 0, and all of the number is left.
-#[inline]
-pub fn choose(u: Uniform, count: u32) -> (u32, Uniform) {
-    let bits = u.to_bits();
-    let index = crate::num::mul_hi(bits, count);
-    (index, Uniform::from_bits(bits.wrapping_mul(count.max(1))))
 }

@@ -1,4 +1,4 @@
-use super::{BsdfSample, Local};
+use super::{BsdfSample, Local, MaterialError};
 use crate::color::{Albedo, Radiance};
 use crate::geom::Dir;
 use crate::num::{Metres, ONE_Q16, Uniform, Wide, isqrt, mul_hi, mul_q16, recip};
@@ -46,15 +46,29 @@ impl Dielectric {
         (self.reflectance, self.transmittance)
     }
 
+    /// The ratio η of the index beyond to the index on this side, and its reciprocal, Q16.
+    pub(super) fn ratio(&self, is_outside: bool) -> (i32, i32) {
+        if is_outside {
+            (self.eta, self.inv_eta)
+        } else {
+            (self.inv_eta, self.eta)
+        }
+    }
+
+    pub(super) fn check(&self) -> Result<(), MaterialError> {
+        if self.reflectance.is_valid() && self.transmittance.is_valid() {
+            Ok(())
+        } else {
+            Err(MaterialError::Reflectance)
+        }
+    }
+
     /// Reflection or refraction, chosen with the Fresnel reflectance as probability.
     pub(super) fn sample(&self, local: &Local, lobe: Uniform) -> Option<BsdfSample> {
         let cos = local.wo.dot(local.normal);
         // Seen from inside, the ratio is the other way round and the normal turned.
-        let (eta, inv_eta, normal) = if cos >= 0 {
-            (self.eta, self.inv_eta, local.normal)
-        } else {
-            (self.inv_eta, self.eta, -local.normal)
-        };
+        let (eta, inv_eta) = self.ratio(cos >= 0);
+        let normal = if cos >= 0 { local.normal } else { -local.normal };
         let cos_i = cos.abs().min(ONE_Q16);
         let (reflectance, cos_t) = fresnel_dielectric(cos_i, eta, inv_eta);
         if (lobe.to_bits() >> 16) < reflectance as u32 {
@@ -97,13 +111,18 @@ pub fn fresnel_dielectric(cos_i: i32, eta: i32, inv_eta: i32) -> (i32, i32) {
         return (ONE_Q16, 0);
     }
     let cos_t = isqrt(!(sin2_t << 5)) as i32;
+    (fresnel_of_cosines(cos_i, cos_t, eta), cos_t)
+}
+
+/// The reflectance from both cosines, Q16; `eta` the index on the side of `cos_t` over that of `cos_i`.
+pub(super) fn fresnel_of_cosines(cos_i: i32, cos_t: i32, eta: i32) -> i32 {
     let ratio = |a: i32, b: i32| {
         let r = recip((a + b).max(1) as u32).times(a - b, 16);
         mul_q16(r, r)
     };
     let s = ratio(cos_i, mul_q16(eta, cos_t));
     let p = ratio(mul_q16(eta, cos_i), cos_t);
-    (((s + p + 1) >> 1).min(ONE_Q16), cos_t)
+    ((s + p + 1) >> 1).min(ONE_Q16)
 }
 
 #[cfg(test)]

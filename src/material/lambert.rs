@@ -1,20 +1,8 @@
-use super::{BsdfSample, Local};
+use super::{BsdfSample, Local, facing};
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Frame};
 use crate::num::{Uniform, Wide};
 use crate::sampler::warp;
-
-/// The normal on the eye's side; `None` behind a one-sided surface.
-#[inline]
-fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
-    if local.wo.dot_q24(local.normal) > 0 {
-        Some(local.normal)
-    } else if two_sided {
-        Some(-local.normal)
-    } else {
-        None
-    }
-}
 
 /// f·cos θi = ρ/π · cos θi, density cos θi / π.
 #[inline]

@@ -3,14 +3,23 @@
 //! Directions point away from the surface: `wo` towards the eye, `wi` towards the light. `eval` gives f·|cos θi|, so
 //! that nothing divides by the cosine.
 
+mod blinn_phong;
+mod conductor;
 mod dielectric;
 mod lambert;
+mod microfacet;
+mod oren_nayar;
+mod rough_dielectric;
 
 use crate::color::{Albedo, Radiance};
 use crate::geom::Dir;
 use crate::num::{Uniform, Wide};
 
+pub use blinn_phong::BlinnPhong;
+pub use conductor::{Conductor, Index, fresnel_conductor};
 pub use dielectric::{Dielectric, fresnel_dielectric};
+pub use oren_nayar::{OrenNayar, OrenNayarModel};
+pub use rough_dielectric::RoughDielectric;
 
 /// The material of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +32,46 @@ pub enum Material {
     Mirror { reflectance: Albedo, two_sided: bool },
     /// Smooth boundary between two media.
     Dielectric(Dielectric),
+    /// Rough diffuse reflection.
+    OrenNayar(OrenNayar),
+    /// Diffuse reflection and a lobe about the half vector.
+    BlinnPhong(BlinnPhong),
+    /// A metal, smooth or rough.
+    Conductor(Conductor),
+    /// Rough boundary between two media.
+    RoughDielectric(RoughDielectric),
 }
+
+/// What is wrong with a material.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MaterialError {
+    /// A reflectance or a transmittance is above 1.
+    Reflectance,
+    /// σ of [`OrenNayar`] is above a quarter turn.
+    Sigma,
+    /// The exponent of [`BlinnPhong`] is negative or above 16384.
+    Exponent,
+    /// A roughness is above 1 or under 2^-10.
+    Roughness,
+    /// A rough boundary whose refractive indices differ by less than 1/128: it would neither reflect nor refract.
+    Index,
+}
+
+impl core::fmt::Display for MaterialError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::Reflectance => "a reflectance is above 1",
+            Self::Sigma => "its sigma is above a quarter turn",
+            Self::Exponent => "its exponent is not within 0 to 16384",
+            Self::Roughness => "its alpha is not within 1/1024 to 1; take a smooth material for less",
+            Self::Index => {
+                "its two refractive indices are closer than 1/128; make them differ, or leave the surface out"
+            }
+        })
+    }
+}
+
+impl core::error::Error for MaterialError {}
 
 /// What of the surface a BSDF needs to know.
 #[derive(Clone, Copy, Debug)]
@@ -71,25 +119,44 @@ impl Material {
         }
     }
 
-    /// Whether every reflectance is at most 1.
+    /// Whether everything is within its range.
     pub fn is_valid(&self) -> bool {
+        self.check().is_ok()
+    }
+
+    /// What of it is out of range, if anything is.
+    pub fn check(&self) -> Result<(), MaterialError> {
         match self {
-            Material::Black => true,
+            Material::Black => Ok(()),
             Material::Lambert { albedo, .. }
             | Material::Mirror {
                 reflectance: albedo, ..
-            } => albedo.is_valid(),
-            Material::Dielectric(dielectric) => {
-                let (reflectance, transmittance) = dielectric.tints();
-                reflectance.is_valid() && transmittance.is_valid()
+            } => {
+                if albedo.is_valid() {
+                    Ok(())
+                } else {
+                    Err(MaterialError::Reflectance)
+                }
             }
+            Material::Dielectric(dielectric) => dielectric.check(),
+            Material::OrenNayar(diffuse) => diffuse.check(),
+            Material::BlinnPhong(phong) => phong.check(),
+            Material::Conductor(metal) => metal.check(),
+            Material::RoughDielectric(glass) => glass.check(),
         }
     }
 
     /// Whether light samples can contribute: the BSDF is not a delta distribution alone.
     #[inline]
     pub const fn is_smooth(&self) -> bool {
-        matches!(self, Material::Lambert { .. })
+        match self {
+            Material::Black | Material::Mirror { .. } | Material::Dielectric(_) => false,
+            Material::Conductor(metal) => metal.is_rough(),
+            Material::Lambert { .. }
+            | Material::OrenNayar(_)
+            | Material::BlinnPhong(_)
+            | Material::RoughDielectric(_) => true,
+        }
     }
 
     /// How much of white light it gives back, by colour: what a denoiser divides by.
@@ -100,7 +167,10 @@ impl Material {
             | Material::Mirror {
                 reflectance: albedo, ..
             } => *albedo,
-            Material::Dielectric(_) => Albedo::WHITE,
+            Material::Dielectric(_) | Material::RoughDielectric(_) => Albedo::WHITE,
+            Material::OrenNayar(diffuse) => diffuse.reflectance(),
+            Material::BlinnPhong(phong) => phong.albedo(),
+            Material::Conductor(metal) => metal.albedo(),
         }
     }
 
@@ -109,6 +179,10 @@ impl Material {
     pub fn eval(&self, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {
         match self {
             Material::Lambert { albedo, two_sided } => lambert::eval(*albedo, *two_sided, local, wi),
+            Material::OrenNayar(diffuse) => diffuse.eval(local, wi),
+            Material::BlinnPhong(phong) => phong.eval(local, wi),
+            Material::Conductor(metal) => metal.eval(local, wi),
+            Material::RoughDielectric(glass) => glass.eval(local, wi),
             Material::Black | Material::Mirror { .. } | Material::Dielectric(_) => None,
         }
     }
@@ -152,6 +226,22 @@ impl Material {
                 })
             }
             Material::Dielectric(dielectric) => dielectric.sample(local, lobe),
+            Material::OrenNayar(diffuse) => diffuse.sample(local, u),
+            Material::BlinnPhong(phong) => phong.sample(local, u, lobe),
+            Material::Conductor(metal) => metal.sample(local, u),
+            Material::RoughDielectric(glass) => glass.sample(local, u, lobe),
         }
+    }
+}
+
+/// The normal on the eye's side; `None` behind a one-sided surface.
+#[inline]
+fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
+    if local.wo.dot_q24(local.normal) > 0 {
+        Some(local.normal)
+    } else if two_sided {
+        Some(-local.normal)
+    } else {
+        None
     }
 }

@@ -15,6 +15,7 @@
 //! target lacks a 32×32→64 multiplier, the same result is made of 32-bit products (`narrow_mul`, set by `build.rs`).
 
 mod bits;
+mod exp;
 mod lit;
 mod product;
 mod recip;
@@ -23,11 +24,12 @@ mod trig;
 mod wide;
 
 pub use bits::{leading_zeros, normalize_shift, round_shift};
+pub use exp::{exp2_neg, neg_log2, pow};
 pub use product::{mul_hi, mul_hi_signed, mul_q16, mul_shift};
 pub(crate) use recip::short_recip;
-pub use recip::{Recip, recip};
+pub use recip::{Recip, ratio, recip};
 pub use root::{isqrt, rsqrt};
-pub use trig::sin_cos;
+pub use trig::{acos, atan2, sin_cos};
 pub use wide::Wide;
 
 pub use product::narrow;

@@ -1,4 +1,4 @@
-use super::{leading_zeros, mul_shift};
+use super::{leading_zeros, mul_hi, mul_shift};
 
 /// 1/x as `mantissa · 2^(−shift)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +56,17 @@ pub fn recip(x: u32) -> Recip {
         mantissa: if big >= 1 << 31 { u32::MAX } else { big << 1 },
         shift: 63 - zeros,
     }
+}
+
+/// a/b in 2^-32, for `a` ≤ `b`; the largest number below 1 where they are equal, 0 for 0/0.
+///
+/// Error: 14 steps of 2^-32 at most, RMS 1.5, mean −1.2 (`tests/num_error`).
+#[inline]
+pub fn ratio(a: u32, b: u32) -> u32 {
+    let r = recip(b);
+    // a·2^zeros · mantissa / 2^63: one bit fewer than wanted, so that nothing overflows.
+    let half = mul_hi(a << (63 - r.shift), r.mantissa);
+    half.min((1 << 31) - 1) << 1
 }
 
 /// 2^31/b, to 2^-15 of it, for b in 2^15 ..= 2^16 − 1: the table's guess, one Newton step.

@@ -3,7 +3,7 @@ use super::{Mesh, Parts, Scene, SceneError, Shape};
 use crate::bvh::Node;
 use crate::color::Radiance;
 use crate::geom::Unit;
-use crate::light::Light;
+use crate::light::{Environment, Light};
 use crate::material::Material;
 use crate::shape::Geometry;
 use heapless::Vec;
@@ -11,6 +11,15 @@ use heapless::Vec;
 /// Names a material of a [`SceneBuilder`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MaterialId(u16);
+
+/// What a scene borrows beside what its builder holds.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Borrowed<'a> {
+    /// Shapes name them as [`Geometry::Mesh`].
+    pub meshes: &'a [Mesh<'a>],
+    /// A sky or a map; a constant environment is a [`Light`].
+    pub environment: Environment<'a>,
+}
 
 /// A scene on the stack: room for `SHAPES`, `MATERIALS` and `LIGHTS` (an emitting shape takes one of each).
 #[derive(Clone, Debug)]
@@ -126,6 +135,20 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         meshes: &'a [Mesh<'a>],
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
+        let borrowed = Borrowed {
+            meshes,
+            ..Borrowed::default()
+        };
+        self.build_from(borrowed, nodes)
+    }
+
+    /// The same with all that can be borrowed.
+    pub fn build_from<'a>(
+        &'a mut self,
+        borrowed: Borrowed<'a>,
+        nodes: &'a mut [Node],
+    ) -> Result<Scene<'a>, SceneError> {
+        let Borrowed { meshes, environment } = borrowed;
         if let Some(environment) = self.environment.take() {
             self.lights
                 .push(environment)
@@ -140,6 +163,8 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             bounded: found.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment,
+            choice: &[],
             meshes,
             grid: found.grid,
             nodes: nodes.get(..found.nodes).unwrap_or(&[]),

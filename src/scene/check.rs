@@ -1,9 +1,9 @@
 use super::arrange::{coarsest, reach, rectangle_reach, shape_bounds};
 use super::{Parts, Scene};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
-use crate::color::Radiance;
 use crate::geom::{Dir, Point, REACH};
-use crate::light::Light;
+use crate::light::{Environment, Light};
+use crate::material::MaterialError;
 use crate::num::ONE_Q16;
 use crate::shape::{Geometry, Grid};
 
@@ -22,8 +22,8 @@ pub enum SceneError {
     Degenerate { shape: u16 },
     /// An infinite plane can't be a light.
     PlaneLight { shape: u16 },
-    /// A reflectance is above 1.
-    Albedo { material: u16 },
+    /// Something of the material is out of range.
+    Material { material: u16, error: MaterialError },
     /// A light's shape does not exist, or does not name it as its light.
     LightShape { light: u16 },
     /// A light stands beyond ±2·[`REACH`] units.
@@ -32,6 +32,10 @@ pub enum SceneError {
     LightDirection { light: u16 },
     /// An environment must be the last light, and there can be one.
     Environment { light: u16 },
+    /// Up, or the way to the sun, is no unit vector.
+    SkyDirection,
+    /// The table by which lights are chosen has not `needed` bounds, or they do not rise from above 0.
+    Choice { needed: usize },
     /// Nothing in the scene emits light.
     NoLight,
     /// The shape's mesh does not exist.
@@ -65,12 +69,19 @@ impl core::fmt::Display for SceneError {
             }
             Self::Degenerate { shape } => write!(f, "shape {shape}: has no extent"),
             Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
-            Self::Albedo { material } => write!(f, "material {material}: a reflectance is above 1"),
+            Self::Material { material, error } => write!(f, "material {material}: {error}"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
             Self::LightDirection { light } => write!(f, "light {light}: its direction is no unit vector"),
             Self::Environment { light } => {
                 write!(f, "light {light}: one environment, after all other lights")
+            }
+            Self::SkyDirection => write!(f, "the sky: up and the way to the sun must be unit vectors"),
+            Self::Choice { needed } => {
+                write!(
+                    f,
+                    "the choice of lights: {needed} bounds that rise are needed, or none"
+                )
             }
             Self::NoSuchMesh { shape, mesh } => write!(f, "shape {shape}: there is no mesh {mesh}"),
             Self::Mesh { mesh, error } => write!(f, "mesh {mesh}: {error}"),
@@ -108,11 +119,10 @@ impl<'a> Scene<'a> {
     /// Checks everything once; after this, rendering can't fail.
     pub fn new(parts: Parts<'a>) -> Result<Scene<'a>, SceneError> {
         for (index, material) in parts.materials.iter().enumerate() {
-            if !material.is_valid() {
-                return Err(SceneError::Albedo {
-                    material: index as u16,
-                });
-            }
+            material.check().map_err(|error| SceneError::Material {
+                material: index as u16,
+                error,
+            })?;
         }
         for (index, shape) in parts.shapes.iter().enumerate() {
             check_geometry(&shape.geometry, shape.id)?;
@@ -215,19 +225,36 @@ impl<'a> Scene<'a> {
                     !radiance.is_black()
                 }
                 Light::Environment { radiance } => {
-                    environment = Some(*radiance);
+                    if !matches!(parts.environment, Environment::None) {
+                        return Err(SceneError::Environment { light: index });
+                    }
+                    environment = Some(Environment::Constant(*radiance));
                     light_count -= 1;
                     !radiance.is_black()
                 }
             };
         }
-        if !emits {
+        if let Environment::Sky(sky) = parts.environment
+            && !sky.directions().into_iter().all(is_unit)
+        {
+            return Err(SceneError::SkyDirection);
+        }
+        let environment = environment.unwrap_or(parts.environment);
+        light_count += u32::from(environment.is_sampled());
+        if !emits && environment.is_black() {
             return Err(SceneError::NoLight);
+        }
+        let needed = (light_count as usize).saturating_sub(1);
+        let rises = core::iter::once(&0).chain(parts.choice).zip(parts.choice);
+        if !parts.choice.is_empty()
+            && (parts.choice.len() != needed || !rises.into_iter().all(|(before, bound)| before < bound))
+        {
+            return Err(SceneError::Choice { needed });
         }
         Ok(Scene {
             parts,
             light_count,
-            environment: environment.unwrap_or(Radiance::BLACK),
+            environment,
             depth,
         })
     }

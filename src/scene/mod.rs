@@ -11,18 +11,19 @@ mod builder;
 pub mod builtin;
 mod check;
 mod emit;
+mod power;
 mod query;
 
 use crate::bvh::Node;
 use crate::color::Radiance;
-use crate::geom::{Dir, Point, Ray, Unit};
-use crate::light::{self, Emitter, Light, LightSample};
+use crate::geom::{Dir, FAR, Point, Ray, Unit};
+use crate::light::{self, Emitter, Environment, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
 use crate::shape::{Geometry, Grid, MeshHit, Surface, TriangleMesh};
 
 pub use arrange::{Arrangement, Boxed, arrange};
-pub use builder::{MaterialId, SceneBuilder};
+pub use builder::{Borrowed, MaterialId, SceneBuilder};
 pub use check::SceneError;
 pub use query::Seen;
 
@@ -54,8 +55,13 @@ pub struct Parts<'a> {
     /// How many shapes are finite.
     pub bounded: u16,
     pub materials: &'a [Material],
-    /// An environment, if there is one, last.
+    /// A constant environment, if there is one, last.
     pub lights: &'a [Light],
+    /// Any other environment: the last of the lights to choose from.
+    pub environment: Environment<'a>,
+    /// How lights are chosen: bounds between them, in 2^-32 and rising, one fewer than there are lights to choose from
+    /// ([`Scene::choose_by_power`] makes them); evenly if there are none.
+    pub choice: &'a [u32],
     pub meshes: &'a [Mesh<'a>],
     /// Around the finite shapes.
     pub grid: Grid,
@@ -67,9 +73,9 @@ pub struct Parts<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Scene<'a> {
     parts: Parts<'a>,
-    /// How many lights are drawn from; an environment stands after them.
+    /// How many lights are drawn from; a constant environment stands after them.
     light_count: u32,
-    environment: Radiance,
+    environment: Environment<'a>,
     depth: usize,
 }
 
@@ -132,10 +138,47 @@ impl<'a> Scene<'a> {
         self.light_count
     }
 
-    /// What comes from where nothing is.
+    /// What comes from where nothing is: see [`Self::background`].
     #[inline]
-    pub fn environment(&self) -> Radiance {
-        self.environment
+    pub fn environment(&self) -> &Environment<'a> {
+        &self.environment
+    }
+
+    /// The radiance from infinitely far away that is seen along a direction.
+    #[inline]
+    pub fn background(&self, dir: Dir) -> Radiance {
+        self.environment.radiance(dir)
+    }
+
+    /// The density per solid angle with which choosing the environment and sampling it would have led to a direction; 0
+    /// if it is not sampled.
+    #[inline]
+    pub fn background_pdf(&self, dir: Dir) -> Wide {
+        if self.environment.is_sampled() {
+            self.environment.pdf(dir) * self.light_chance(self.light_count - 1)
+        } else {
+            Wide::ZERO
+        }
+    }
+
+    /// One of the lights by a number, and what is left of it as a new one.
+    #[inline]
+    pub fn choose_light(&self, u: Uniform) -> (u32, Uniform) {
+        if self.parts.choice.is_empty() {
+            light::choose(u, self.light_count)
+        } else {
+            light::choose_by(u, self.parts.choice)
+        }
+    }
+
+    /// How often [`Self::choose_light`] takes a light; the environment, if it is sampled, is the last.
+    #[inline]
+    pub fn light_chance(&self, index: u32) -> Wide {
+        if self.parts.choice.is_empty() {
+            Wide::new(self.light_count, 0).recip()
+        } else {
+            light::chance_by(index as usize, self.parts.choice)
+        }
     }
 
     /// The surface where the ray met it.
@@ -176,7 +219,10 @@ impl<'a> Scene<'a> {
     /// A direction from a point towards light number `index`; `None` where it can send nothing.
     #[inline]
     pub fn sample_light(&self, index: u32, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
-        match *self.parts.lights.get(index as usize)? {
+        let Some(light) = self.parts.lights.get(index as usize) else {
+            return self.sample_background(index, u);
+        };
+        match *light {
             Light::Point { position, intensity } => {
                 light::sample_point(position, intensity, from, self.parts.unit.fraction_bits())
             }
@@ -204,6 +250,21 @@ impl<'a> Scene<'a> {
         }
     }
 
+    fn sample_background(&self, index: u32, u: [Uniform; 2]) -> Option<LightSample> {
+        if index != self.light_count.wrapping_sub(1) {
+            return None;
+        }
+        let sample = self.environment.sample(u)?;
+        Some(LightSample {
+            wi: sample.wi,
+            distance: FAR + 1,
+            radiance: sample.radiance,
+            pdf: sample.pdf,
+            shape: None,
+            triangle: 0,
+        })
+    }
+
     /// The density per solid angle with which choosing a light and sampling it would have led to this hit.
     #[inline]
     pub fn light_pdf(&self, light: u16, from: Point, wi: Dir, hit: &Hit) -> Wide {
@@ -211,7 +272,7 @@ impl<'a> Scene<'a> {
             return Wide::ZERO;
         };
         debug_assert_eq!(shape.light, Some(light));
-        self.shape_pdf(from, wi, hit) / Wide::new(self.light_count, 0)
+        self.shape_pdf(from, wi, hit) * self.light_chance(u32::from(light))
     }
 
     /// The same if the light is chosen already.

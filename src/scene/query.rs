@@ -3,7 +3,7 @@
 use super::{Hit, Scene};
 use crate::bvh::{self, Visitor, traverse};
 use crate::geom::{FAR, Ray};
-use crate::light::Light;
+use crate::light::{Environment, Light};
 use crate::shape::{Geometry, GridRay, Sight, Slopes};
 use core::ops::ControlFlow;
 
@@ -101,7 +101,7 @@ impl Scene<'_> {
     /// With a few emitters they are asked first, and what may stand before the nearest of them after, which is cheaper
     /// than the nearest of all; a hit on an emitter at the very distance of another shape counts.
     pub fn closest_light(&self, ray: &Ray) -> Option<Seen> {
-        if self.light_count > FEW_LIGHTS {
+        if self.light_count - u32::from(self.environment.is_sampled()) > FEW_LIGHTS {
             return match self.closest(ray) {
                 Some(hit) => self.is_emitter(hit.shape).then_some(Seen::Emitter(hit)),
                 None => Some(Seen::Environment),
@@ -127,7 +127,7 @@ impl Scene<'_> {
         }
         match nearest {
             Some(hit) => (!self.occluded(ray, hit.t, Some(hit.shape))).then_some(Seen::Emitter(hit)),
-            None if self.environment.is_black() => None,
+            None if matches!(self.environment, Environment::None) => None,
             None => (!self.occluded(ray, FAR + 1, None)).then_some(Seen::Environment),
         }
     }

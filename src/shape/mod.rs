@@ -7,6 +7,7 @@
 mod grid;
 mod mesh;
 mod planar;
+pub mod polygon;
 mod sight;
 mod sphere;
 pub(crate) mod triangle;

@@ -6,11 +6,11 @@ use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
 use microlux::integrator::Path;
-use microlux::light::Light;
+use microlux::light::{Environment, Light, Map, MapParts, Sky, Texel};
 use microlux::material::Material;
-use microlux::num::Share;
+use microlux::num::{Share, Turn};
 use microlux::render::{Renderer, Settings};
-use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
+use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
 use microlux::scene::{Scene, SceneError};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere};
 use std::collections::BTreeMap;
@@ -188,9 +188,11 @@ fn render(scene: &Scene, random: &mut Random) {
         hide_emitters: random.one_in(4),
     };
     let seed = random.bits();
-    let sampler: AnySampler = match random.below(3) {
+    let sampler: AnySampler = match random.below(5) {
         0 => Independent::new(seed).into(),
         1 => Stratified::new(seed, settings.spp).into(),
+        2 => Cmj::new(seed, settings.spp).into(),
+        3 => ZSobol::new(seed, settings.spp).into(),
         _ => Sobol::new(seed).into(),
     };
     let mut renderer = Renderer::new(scene, camera(random), path, sampler, settings);
@@ -199,6 +201,57 @@ fn render(scene: &Scene, random: &mut Random) {
     for place in 0..64 {
         renderer.features(place % 8, place / 8);
     }
+}
+
+/// Any colours, any directions.
+fn sky(random: &mut Random) -> Sky {
+    let sky = Sky::new(dir(random), radiance(random), radiance(random), radiance(random));
+    if random.one_in(2) {
+        return sky;
+    }
+    let width = Turn::from_bits(random.size(i32::MAX) as u32);
+    sky.with_sun(dir(random), width, radiance(random))
+}
+
+fn texels(random: &mut Random) -> Vec<Texel> {
+    let black = random.one_in(4);
+    (0..24)
+        .map(|_| Texel(if black { 0 } else { random.bits() }))
+        .collect()
+}
+
+/// Rising for the most part.
+fn bounds(random: &mut Random) -> Vec<u16> {
+    let mut bounds: Vec<u16> = (0..random.below(8)).map(|_| random.bits() as u16).collect();
+    if !random.one_in(8) {
+        bounds.sort_unstable();
+    }
+    bounds
+}
+
+fn bounds_u32(random: &mut Random) -> Vec<u32> {
+    let mut bounds: Vec<u32> = (0..random.below(6)).map(|_| random.bits()).collect();
+    bounds.sort_unstable();
+    bounds
+}
+
+fn map<'a>(texels: &'a [Texel], bands: &'a [u16], random: &mut Random) -> Option<Map<'a>> {
+    let [width, height] = random.pick(&[[6, 4], [12, 2], [1, 24], [24, 1], [5, 5], [0, 0]]);
+    Map::new(MapParts {
+        width,
+        height,
+        texels,
+        exponent: random.pick(&[0, 5, -40, i16::MIN, i16::MAX]),
+        axes: match random.below(3) {
+            0 => [Dir::X, Dir::Y, Dir::Z],
+            1 => [Dir::Z, Dir::X, Dir::Y],
+            _ => [0; 3].map(|_| dir(random)),
+        },
+        bands,
+        steps: &[],
+        steps_in_band: random.pick(&[1, 1, 1, 0, 2, u16::MAX]),
+    })
+    .ok()
 }
 
 /// What kind of error it is, without its numbers.
@@ -223,8 +276,27 @@ fn refused_or_rendered() {
                 draft.arrange();
             }
             let meshes = draft.meshes();
-            match Scene::new(draft.parts(&meshes)) {
+            let (sky, texels, bands) = (sky(&mut random), texels(&mut random), bounds(&mut random));
+            let map = map(&texels, &bands, &mut random);
+            let choice = bounds_u32(&mut random);
+            let mut parts = draft.parts(&meshes);
+            match random.below(6) {
+                0 => parts.environment = Environment::Sky(&sky),
+                1 => parts.environment = map.as_ref().map_or(Environment::None, Environment::Map),
+                _ => (),
+            }
+            if random.one_in(20) {
+                parts.choice = &choice;
+            }
+            let mut table = [0; 64];
+            match Scene::new(parts) {
                 Ok(scene) => {
+                    let by_power = random.one_in(2);
+                    let scene = if by_power {
+                        scene.choose_by_power(&mut table)
+                    } else {
+                        scene
+                    };
                     render(&scene, &mut random);
                     "rendered".to_string()
                 }

@@ -4,8 +4,12 @@ use fixed::types::U1F15;
 use microlux::bvh::{CheckError, Node, build_mesh};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
-use microlux::material::Material;
+use microlux::light::{Environment, Light, Map, MapError, MapParts, Sky, Texel};
+use microlux::material::{
+    BlinnPhong, Conductor, Dielectric, Material, MaterialError, OrenNayar, OrenNayarModel, RoughDielectric,
+};
+use microlux::num::{Metres, Turn};
+use microlux::q;
 use microlux::scene::{MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
 use microlux::shape::{Disk, Geometry, Grid, MeshError, Plane, Rectangle, Sphere, TriangleMesh};
 
@@ -231,8 +235,83 @@ fn materials() {
         let mut b = b.clone();
         b.material(material).unwrap();
         let error = built(b).unwrap_err();
-        assert_eq!(error, SceneError::Albedo { material: 1 });
+        assert_eq!(
+            error,
+            SceneError::Material {
+                material: 1,
+                error: MaterialError::Reflectance
+            }
+        );
         assert_eq!(error.to_string(), "material 1: a reflectance is above 1");
+    }
+    // Each of a material's numbers, at the edge and just beyond.
+    let refusal = |material: Material| {
+        let mut b = b.clone();
+        b.material(material).unwrap();
+        match built(b) {
+            Ok(()) => None,
+            Err(SceneError::Material { material: 1, error }) => Some(error),
+            Err(other) => panic!("{other}"),
+        }
+    };
+    let (white, share) = (Albedo::WHITE, U1F15::from_bits);
+    for model in [
+        OrenNayarModel::Full,
+        OrenNayarModel::Qualitative,
+        OrenNayarModel::EnergyPreserving,
+    ] {
+        let rough = |albedo, bits| Material::OrenNayar(OrenNayar::new(model, albedo, Turn::from_bits(bits)));
+        assert_eq!(refusal(rough(white, 1 << 30)), None);
+        assert_eq!(
+            refusal(rough(white, (1 << 30) + (1 << 15))),
+            Some(MaterialError::Sigma)
+        );
+        assert_eq!(refusal(rough(white, u32::MAX)), Some(MaterialError::Sigma));
+        assert_eq!(refusal(rough(bright, 0)), Some(MaterialError::Reflectance));
+    }
+    let phong = |d, s, exponent| Material::BlinnPhong(BlinnPhong::new(d, s, exponent));
+    assert_eq!(refusal(phong(white, white, q!(16384))), None);
+    assert_eq!(
+        refusal(phong(white, white, q!(16385))),
+        Some(MaterialError::Exponent)
+    );
+    assert_eq!(
+        refusal(phong(white, white, q!(-1))),
+        Some(MaterialError::Exponent)
+    );
+    assert_eq!(
+        refusal(phong(white, bright, q!(1))),
+        Some(MaterialError::Reflectance)
+    );
+    assert_eq!(
+        refusal(phong(bright, white, q!(1))),
+        Some(MaterialError::Reflectance)
+    );
+    let metal = |albedo, alpha| Material::Conductor(Conductor::new(albedo).rough(share(alpha)));
+    assert_eq!(
+        [0, 32, 32768].map(|alpha| refusal(metal(white, alpha))),
+        [None; 3]
+    );
+    for alpha in [1, 31, 32769] {
+        assert_eq!(refusal(metal(white, alpha)), Some(MaterialError::Roughness));
+    }
+    assert_eq!(refusal(metal(bright, 100)), Some(MaterialError::Reflectance));
+    let glass = |eta, alpha| {
+        let smooth = Dielectric::new(Metres::from_bits(eta));
+        Material::RoughDielectric(RoughDielectric::new(smooth, share(alpha)))
+    };
+    assert_eq!(refusal(glass(98304, 32)), None);
+    assert_eq!(refusal(glass(65536 + 512, 100)), None);
+    assert_eq!(refusal(glass(98304, 0)), Some(MaterialError::Roughness));
+    assert_eq!(refusal(glass(98304, 32769)), Some(MaterialError::Roughness));
+    assert_eq!(refusal(glass(65536 + 511, 100)), Some(MaterialError::Index));
+    assert_eq!(refusal(glass(65536 - 511, 100)), Some(MaterialError::Index));
+    let tinted = Dielectric::new(q!(1.5)).tinted(white, bright);
+    for material in [
+        Material::Dielectric(tinted),
+        Material::RoughDielectric(RoughDielectric::new(tinted, share(100))),
+    ] {
+        assert_eq!(refusal(material), Some(MaterialError::Reflectance));
     }
     // A material of another builder's.
     let mut other = Builder::new();
@@ -409,6 +488,92 @@ fn parts_by_hand() {
     assert_eq!(elsewhere, outside);
     let coarse = with_parts(|parts, _, _| parts.unit = Unit::new(-99));
     assert_eq!(coarse, Ok(()));
+}
+
+#[test]
+fn skies_and_choices() {
+    let grey = Radiance::WHITE;
+    for (up, sun) in [(Dir([0; 3]), Dir::X), (Dir::Y, Dir([1 << 20, 0, 0]))] {
+        let sky = Sky::new(up, grey, grey, grey).with_sun(sun, Turn::from_bits(1 << 25), grey);
+        let with = |sky| with_parts(move |parts, _, _| parts.environment = Environment::Sky(sky));
+        let sky: &'static Sky = Box::leak(Box::new(sky));
+        let error = with(sky).unwrap_err();
+        assert_eq!(error, SceneError::SkyDirection);
+        assert!(error.to_string().starts_with("the sky: up"));
+    }
+    let table = |choice: &'static [u32]| with_parts(move |parts, _, _| parts.choice = choice);
+    assert_eq!(table(&[1]), Ok(()));
+    let wrong = Err(SceneError::Choice { needed: 1 });
+    assert_eq!(table(&[0]), wrong);
+    assert_eq!(table(&[1, 2]), wrong);
+    assert!(table(&[0]).unwrap_err().to_string().contains("1 bounds"));
+    // Two environments.
+    let even: &'static Sky = Box::leak(Box::new(Sky::new(Dir::Y, grey, grey, grey)));
+    let two = with_parts(|parts, _, lights| {
+        lights[1] = SKY;
+        parts.environment = Environment::Sky(even);
+    });
+    assert_eq!(two, Err(SceneError::Environment { light: 1 }));
+}
+
+#[test]
+fn maps() {
+    let texels = [Texel(0x8000_0001); 6];
+    let parts = MapParts {
+        width: 2,
+        height: 3,
+        texels: &texels,
+        exponent: 0,
+        axes: [Dir::X, Dir::Y, Dir::Z],
+        bands: &[9],
+        steps: &[7, 7],
+        steps_in_band: 2,
+    };
+    let error = |parts| Map::new(parts).map(|_| ()).err();
+    assert_eq!(error(parts), None);
+    let short = MapParts { height: 4, ..parts };
+    assert_eq!(error(short), Some(MapError::Texels { needed: 8 }));
+    assert_eq!(
+        MapError::Texels { needed: 8 }.to_string(),
+        "8 texels are needed; 1 to 16384 columns, 2 to 16384 rows"
+    );
+    let flat = MapParts {
+        height: 1,
+        width: 6,
+        ..parts
+    };
+    assert_eq!(error(flat), Some(MapError::Texels { needed: 6 }));
+    for (bands, steps, steps_in_band) in [
+        (&[0][..], &[7, 7][..], 2),
+        (&[9, 9], &[7, 7, 7], 2),
+        (&[9], &[7, 0], 2),
+        (&[9], &[7], 2),
+        (&[9], &[7, 7], 3),
+        (&[9], &[], 0),
+    ] {
+        let table = MapParts {
+            bands,
+            steps,
+            steps_in_band,
+            ..parts
+        };
+        assert_eq!(
+            error(table),
+            Some(MapError::Table),
+            "{bands:?} {steps:?} {steps_in_band}"
+        );
+    }
+    for axes in [
+        [Dir::X; 3],
+        [Dir([0; 3]), Dir::Y, Dir::Z],
+        [Dir([1 << 30; 3]), Dir::Y, Dir::Z],
+    ] {
+        assert_eq!(
+            error(MapParts { axes, ..parts }),
+            Some(MapError::Frame),
+            "{axes:?}"
+        );
+    }
 }
 
 /// The first node is where every ray begins: with nothing to check it against, it has to be missing.

@@ -3,8 +3,9 @@
 use crate::rig::*;
 use microlux::geom::{Dir, Unit};
 use microlux::integrator::Path;
-use microlux::light::Light;
+use microlux::light::{Light, Map, MapParts, Sky, Texel};
 use microlux::material::Material;
+use microlux::num::Turn;
 use std::f64::consts::PI;
 
 const ORIGIN: Vec3 = [0.0; 3];
@@ -12,11 +13,11 @@ const UP: Vec3 = [0.0, 1.0, 0.0];
 const PATHS: [Path; 2] = [Path::direct(), Path::new(6)];
 
 /// A matt floor through the origin.
-fn floor() -> Stage {
+fn floor() -> Stage<'static> {
     floor_in(Unit::DEFAULT)
 }
 
-fn floor_in(unit: Unit) -> Stage {
+fn floor_in(unit: Unit) -> Stage<'static> {
     let mut stage = Stage::with_unit(unit);
     let matt = stage.matt(RHO);
     stage.shape(stage.plane(ORIGIN, UP), matt);
@@ -257,6 +258,169 @@ fn environment() {
             &PATHS,
             &PATTERNED,
             matt(PI / 2.0),
+        );
+    }
+}
+
+/// What a matt surface shows under irradiance `e`, by channel.
+fn matt_under(e: Vec3) -> impl Fn(&Path) -> Vec3 {
+    move |_| map2(rounded(RHO), e, |rho, e| rho / PI * e)
+}
+
+const ZENITH: Vec3 = [0.5, 1.25, 4.0];
+const HORIZON: Vec3 = [2.0, 1.5, 0.75];
+const GROUND: Vec3 = [0.25, 0.125, 1.0];
+
+fn gradient() -> Sky {
+    let [zenith, horizon, ground] = [ZENITH, HORIZON, GROUND].map(radiance);
+    Sky::new(Dir::Y, zenith, horizon, ground)
+}
+
+/// With s the sine of elevation: overhead E = 2π ∫ (h + (z − h) s) s ds; a wall has π h, and 2/3 of each half's rise.
+#[test]
+fn sky() {
+    let floor_sees = map2(ZENITH, HORIZON, |z, h| PI * (h + 2.0 * z) / 3.0);
+    let rise = map2(ZENITH, GROUND, |z, g| 2.0 / 3.0 * (z + g));
+    let wall_sees = map2(rise, HORIZON, |rise, h| PI * h + rise - 4.0 / 3.0 * h);
+    for (name, normal, eye, exact) in [
+        ("floor", UP, [1.1, 0.7, 0.6], floor_sees),
+        ("wall", [1.0, 0.0, 0.0], [0.9, 0.4, -0.3], wall_sees),
+        ("wall askew", [0.6, 0.0, -0.8], [0.9, 0.4, -0.9], wall_sees),
+    ] {
+        let mut stage = Stage::new();
+        let matt = stage.matt(RHO);
+        stage.shape(stage.plane(ORIGIN, normal), matt);
+        stage.sky(gradient());
+        stage.assert(
+            &format!("sky over a {name}"),
+            View::at(eye, ORIGIN).effort(16, 256),
+            &PATHS,
+            &PATTERNED,
+            matt_under(exact),
+        );
+    }
+    // Seen as it is: a ray that meets nothing.
+    for (name, towards, exact) in [("overhead", UP, ZENITH), ("below", [0.0, -1.0, 0.0], GROUND)] {
+        let mut stage = floor();
+        stage.sky(gradient());
+        let eye = [0.3, 0.5 * towards[1], 0.2];
+        let target = [0, 1, 2].map(|i| eye[i] + towards[i]);
+        let view = View::at(eye, target).effort(8, 4);
+        stage.assert(name, view, &PATHS, &ALL, |_| exact);
+    }
+}
+
+/// A disk of radiance L and half angle α wholly above the horizon: E = π sin² α L cos θ, added to the sky's.
+#[test]
+fn sun() {
+    let towards = [0.5, 0.7, -0.2];
+    for degrees in [0.53, 5.0, 60.0] {
+        let alpha: f64 = f64::to_radians(degrees / 2.0);
+        let share = PI * alpha.sin().powi(2);
+        // As much light from a narrow one as from a wide one.
+        let bright = LIGHT.map(|c| c * 0.5 / share);
+        let exact_bright = to_f64(radiance_of(bright));
+        for under_sky in [false, true] {
+            let mut stage = floor();
+            let black = Sky::new(Dir::Y, radiance(ORIGIN), radiance(ORIGIN), radiance(ORIGIN));
+            let sky = if under_sky { gradient() } else { black };
+            stage.sky(sky.with_sun(dir(towards), Turn::from_num(degrees / 360.0), radiance_of(bright)));
+            let from_sky = map2(ZENITH, HORIZON, |z, h| {
+                if under_sky { PI * (h + 2.0 * z) / 3.0 } else { 0.0 }
+            });
+            let cos = towards[1] / norm(towards);
+            let exact = map2(from_sky, exact_bright, |sky, sun| sky + share * sun * cos);
+            stage.assert(
+                &format!("sun of {degrees} degrees, sky {under_sky}"),
+                view().effort(16, 256),
+                &PATHS,
+                &PATTERNED,
+                matt_under(exact),
+            );
+        }
+    }
+}
+
+/// Linear in the angle from the map's y axis: over a floor E = π a + π/4 b; linear in the angle about it, in two columns
+/// whose light peaks at ±x: a wall towards x has E = π m + 2 (peak − m).
+#[test]
+fn map() {
+    // Mantissas and one exponent: 1/64 to 8 in steps of 1/64.
+    let texel = |c: Vec3| {
+        let [r, g, b] = c.map(|c| (c * 64.0) as u32);
+        Texel(r | g << 9 | b << 18 | 18 << 27)
+    };
+    let (a, b, c) = ([0.5, 2.0, 4.0], [3.0, 2.0, 0.25], [0.125, 1.5, 0.75]);
+    let down = [texel(a), texel(b)];
+    let even = [texel(b); 6];
+    let around = [texel(b), texel(c), texel(b), texel(c)];
+    let skewed = [1 << 14, 1 << 15, 3 << 14];
+    let turned = [[0.0, 0.0, 1.0], UP, [-1.0, 0.0, 0.0]];
+    let straight = [[1.0, 0.0, 0.0], UP, [0.0, 0.0, 1.0]];
+    let mean = map2(b, c, |b, c| (b + c) / 2.0);
+    let cases = [
+        ("even", 3, &even[..], straight, UP, b.map(|b| PI * b)),
+        (
+            "down",
+            1,
+            &down[..],
+            straight,
+            UP,
+            map2(a, b, |a, b| PI * (0.75 * a + 0.25 * b)),
+        ),
+        (
+            "around",
+            2,
+            &around[..],
+            straight,
+            [1.0, 0.0, 0.0],
+            map2(mean, b, |m, b| PI * m + 2.0 * (b - m)),
+        ),
+        (
+            "turned",
+            2,
+            &around[..],
+            turned,
+            [0.0, 0.0, 1.0],
+            map2(mean, b, |m, b| PI * m + 2.0 * (b - m)),
+        ),
+        (
+            "from behind",
+            2,
+            &around[..],
+            straight,
+            [-1.0, 0.0, 0.0],
+            map2(mean, c, |m, c| PI * m + 2.0 * (c - m)),
+        ),
+    ];
+    for (name, width, texels, axes, normal, exact) in cases {
+        let map = Map::new(MapParts {
+            width,
+            height: (texels.len() / width as usize) as u16,
+            texels,
+            exponent: 0,
+            axes: axes.map(dir),
+            // One cell, and cells that are drawn unevenly for no reason.
+            bands: if width == 1 { &[] } else { &skewed },
+            steps: if width == 1 {
+                &[]
+            } else {
+                &[20_000, 30_000, 11_000, 12_000, 1, 65_535, 7, 50_000]
+            },
+            steps_in_band: if width == 1 { 1 } else { 3 },
+        })
+        .unwrap();
+        let mut stage = Stage::new();
+        let matt = stage.matt(RHO);
+        stage.shape(stage.plane(ORIGIN, normal), matt);
+        let eye = [0, 1, 2].map(|i| 0.8 * normal[i] + [0.2, 0.3, 0.1][i]);
+        stage.map(map);
+        stage.assert(
+            &format!("map, {name}"),
+            View::at(eye, ORIGIN).effort(16, 256),
+            &PATHS,
+            &PATTERNED,
+            matt_under(exact),
         );
     }
 }

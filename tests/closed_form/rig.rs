@@ -6,12 +6,12 @@ use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, Unit};
 use microlux::integrator::Path;
-use microlux::light::Light;
+use microlux::light::{Environment, Light, Map, Sky};
 use microlux::material::Material;
 use microlux::num::Share;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
-use microlux::scene::{MaterialId, Mesh, SceneBuilder};
+use microlux::scene::{Borrowed, MaterialId, Mesh, SceneBuilder};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 
 pub type Vec3 = [f64; 3];
@@ -64,6 +64,12 @@ pub fn rounded(rho: Vec3) -> Vec3 {
 /// Exact for the radiances used here.
 pub fn radiance(color: Vec3) -> Radiance {
     Radiance::from_bits(color.map(|c| (c * 65536.0).round() as u32), -16)
+}
+
+/// The nearest there is, of any magnitude.
+pub fn radiance_of(color: Vec3) -> Radiance {
+    let exponent = color.into_iter().fold(0.0, f64::max).log2().floor() as i32 - 30;
+    Radiance::from_bits(color.map(|c| (c * 2f64.powi(-exponent)).round() as u32), exponent)
 }
 
 pub fn to_f64(radiance: Radiance) -> Vec3 {
@@ -122,22 +128,26 @@ struct OwnedMesh {
 }
 
 /// A scene under construction, in metres.
-pub struct Stage {
+pub struct Stage<'a> {
     unit: Unit,
     builder: SceneBuilder<8, 4, 8>,
     meshes: Vec<OwnedMesh>,
+    sky: Option<Sky>,
+    map: Option<Map<'a>>,
 }
 
-impl Stage {
-    pub fn new() -> Stage {
+impl<'a> Stage<'a> {
+    pub fn new() -> Stage<'a> {
         Stage::with_unit(Unit::DEFAULT)
     }
 
-    pub fn with_unit(unit: Unit) -> Stage {
+    pub fn with_unit(unit: Unit) -> Stage<'a> {
         Stage {
             unit,
             builder: SceneBuilder::with_unit(unit),
             meshes: Vec::new(),
+            sky: None,
+            map: None,
         }
     }
 
@@ -224,6 +234,14 @@ impl Stage {
         self.builder.light(light).unwrap();
     }
 
+    pub fn sky(&mut self, sky: Sky) {
+        self.sky = Some(sky);
+    }
+
+    pub fn map(&mut self, map: Map<'a>) {
+        self.map = Some(map);
+    }
+
     pub fn environment(&mut self, emission: Vec3) {
         self.light(Light::Environment {
             radiance: radiance(emission),
@@ -255,7 +273,16 @@ impl Stage {
             spp: view.spp,
         };
         let mut nodes = [Node::EMPTY; max_nodes(8)];
-        let scene = self.builder.build_with(&meshes, &mut nodes).unwrap();
+        let environment = match (&self.sky, &self.map) {
+            (Some(sky), _) => Environment::Sky(sky),
+            (_, Some(map)) => Environment::Map(map),
+            _ => Environment::None,
+        };
+        let borrowed = Borrowed {
+            meshes: &meshes,
+            environment,
+        };
+        let scene = self.builder.build_from(borrowed, &mut nodes).unwrap();
         let mut means = Vec::new();
         for path in paths {
             for kind in samplers {

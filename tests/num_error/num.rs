@@ -376,3 +376,161 @@ fn wide_numbers_at_their_ends() {
         Wide::new((std::f64::consts::FRAC_1_PI * 2f64.powi(29)).round() as u32, -29)
     );
 }
+
+#[test]
+fn logarithms_of_shares() {
+    let mut random = Random(31);
+    let mut of = Figures::default();
+    let edges = (0..32).flat_map(|bit| [1u32 << bit, (1 << bit) | 1, u32::MAX >> bit, (1 << bit) - 1]);
+    let anywhere = (0..1_000_000).map(|_| random.any_size());
+    for x in edges.chain(anywhere) {
+        let exact = 32.0 - f64::from(x.max(1)).log2();
+        of.add(f64::from(neg_log2(x)) - exact * 2f64.powi(26));
+    }
+    of.assert(
+        "neg_log2, ulp",
+        Said {
+            max: 0.63,
+            rms: 0.29,
+            mean: Mean::Is(0.03),
+        },
+    );
+}
+
+#[test]
+fn powers_of_one_half() {
+    let mut random = Random(32);
+    let mut of = Figures::default();
+    let edges = (0..64).flat_map(|k| {
+        [
+            k << 26,
+            (k << 26) | 1,
+            (k << 26) | ((1 << 26) - 1),
+            (k << 26) | (1 << 20),
+        ]
+    });
+    let anywhere = (0..1_000_000).map(|_| random.bits());
+    for x in edges.chain(anywhere) {
+        let (mantissa, exponent) = exp2_neg(x);
+        assert!(mantissa >= (1 << 31) - 1 && exponent < 64);
+        let exact = (-f64::from(x) / 2f64.powi(26)).exp2();
+        of.add(f64::from(mantissa) * 2f64.powi(-32 - exponent as i32) / exact - 1.0);
+    }
+    of.assert(
+        "exp2_neg",
+        Said {
+            max: 4.8e-10,
+            rms: 1.5e-10,
+            mean: Mean::Within(1e-11),
+        },
+    );
+}
+
+#[test]
+fn powers_of_shares() {
+    let mut random = Random(33);
+    let (mut all, mut small) = (Figures::default(), Figures::default());
+    for _ in 0..1_000_000 {
+        // Exponents of all sizes, and bases that keep something with them.
+        let n = random.any_size() >> 2;
+        let exact_n = f64::from(n) / 65536.0;
+        let x = (-32.0 * f64::from(random.bits()) / 2f64.powi(32) / exact_n).exp2() * 2f64.powi(32);
+        let x = (x as u32).max(1);
+        let exact = (f64::from(x) / 2f64.powi(32)).powf(exact_n);
+        if exact < 2f64.powi(-32) {
+            continue;
+        }
+        let error = value(pow(x, n)) / exact - 1.0;
+        all.add(error);
+        if exact_n <= 30.0 {
+            small.add(error);
+        }
+    }
+    let said = |max, rms| Said {
+        max,
+        rms,
+        mean: Mean::Within(1e-6),
+    };
+    all.assert("pow", said(1.1e-4, 1e-5));
+    small.assert("pow, exponents up to 30", said(1.6e-5, 6.5e-6));
+    assert_eq!([pow(0, 0), pow(7, 0), pow(u32::MAX, 1 << 30)], [Wide::ONE; 3]);
+    assert_eq!([pow(0, 3 << 16), pow(1 << 31, 100 << 16)], [Wide::ZERO; 2]);
+    assert_eq!(pow(1 << 30, 3 << 15), Wide::new(1, -3));
+}
+
+#[test]
+fn angles_of_cosines() {
+    let mut of = Figures::default();
+    for cos in 0..=65536 {
+        let exact = (f64::from(cos) / 65536.0).acos() / std::f64::consts::FRAC_PI_2;
+        of.add(f64::from(acos(cos)) / 65536.0 - exact);
+    }
+    of.assert(
+        "acos, quarter turns",
+        Said {
+            max: 1.8e-5,
+            rms: 5.9e-6,
+            mean: Mean::Is(2.6e-6),
+        },
+    );
+    assert_eq!(
+        [acos(-5), acos(0), acos(65536), acos(70_000)],
+        [65536, 65536, 0, 0]
+    );
+}
+
+#[test]
+fn ratios() {
+    let mut error = Figures::default();
+    let mut random = Random(41);
+    for _ in 0..1_000_000 {
+        let (x, y) = (random.any_size(), random.any_size());
+        let (a, b) = (x.min(y), x.max(y));
+        error.add(f64::from(ratio(a, b)) - f64::from(a) / f64::from(b) * 2f64.powi(32));
+    }
+    for x in [1, 2, 3, 77, 1 << 16, u32::MAX] {
+        assert!(ratio(x, x) >= u32::MAX - 16);
+        assert_eq!(ratio(0, x), 0);
+    }
+    assert_eq!(ratio(0, 0), 0);
+    error.assert(
+        "ratio, 2^-32",
+        Said {
+            max: 14.0,
+            rms: 1.5,
+            mean: Mean::Is(-1.2),
+        },
+    );
+}
+
+#[test]
+fn angles_of_vectors() {
+    let mut error = Figures::default();
+    let mut random = Random(42);
+    let mut hold = |y: i32, x: i32| {
+        let exact = f64::from(y).atan2(f64::from(x)) / std::f64::consts::TAU;
+        let found = f64::from(atan2(y, x).to_bits()) / 2f64.powi(32);
+        // The short way around.
+        error.add((found - exact + 1.5).rem_euclid(1.0) - 0.5);
+    };
+    for y in EDGES {
+        for x in EDGES {
+            hold(y, x);
+        }
+    }
+    for _ in 0..1_000_000 {
+        hold(random.signed(32), random.signed(32));
+        // Of unit vectors: every angle alike.
+        let (sin, cos) = sin_cos(Turn::from_bits(random.bits()));
+        hold(sin, cos);
+    }
+    assert_eq!(atan2(0, 0), Turn::ZERO);
+    error.assert(
+        "atan2, turns",
+        Said {
+            max: 3.0e-7,
+            rms: 1.9e-7,
+            mean: Mean::Within(2e-9),
+        },
+    );
+}

@@ -3,9 +3,11 @@
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::Light;
-use microlux::material::{Dielectric, Material};
-use microlux::num::{Metres, Share};
+use microlux::light::{Environment, Light};
+use microlux::material::{
+    BlinnPhong, Conductor, Dielectric, Index, Material, OrenNayar, OrenNayarModel, RoughDielectric,
+};
+use microlux::num::{Metres, Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 
@@ -145,7 +147,7 @@ pub fn radiance(random: &mut Random) -> Radiance {
 
 fn material(random: &mut Random) -> Material {
     let (albedo, two_sided) = (albedo(random), random.one_in(2));
-    match random.below(8) {
+    match random.below(14) {
         0..=2 => Material::Lambert { albedo, two_sided },
         3 | 4 => Material::Mirror {
             reflectance: albedo,
@@ -165,7 +167,61 @@ fn material(random: &mut Random) -> Material {
             ]);
             Material::Dielectric(Dielectric::new(Metres::from_bits(eta)).tinted(albedo, Albedo::WHITE))
         }
+        7..=12 => scattering(random, albedo, two_sided),
         _ => Material::Black,
+    }
+}
+
+/// Those with parameters, at the ends of their ranges and in between.
+fn scattering(random: &mut Random, albedo: Albedo, two_sided: bool) -> Material {
+    let alpha = Share::from_bits(random.pick(&[32, 33, 1000, 9000, 32767, 32768]));
+    match random.below(4) {
+        0 => {
+            let model = random.pick(&[
+                OrenNayarModel::Full,
+                OrenNayarModel::Qualitative,
+                OrenNayarModel::EnergyPreserving,
+            ]);
+            let sigma = Turn::from_bits(random.pick(&[0, 1, 1 << 26, 1 << 29, 1 << 30]));
+            let diffuse = OrenNayar::new(model, albedo, sigma);
+            Material::OrenNayar(if two_sided { diffuse } else { diffuse.one_sided() })
+        }
+        1 => {
+            let exponent = Metres::from_bits(random.pick(&[0, 1, 1 << 16, 20 << 16, 1 << 26, 1 << 30]));
+            let phong = BlinnPhong::new(
+                albedo,
+                random.pick(&[Albedo::WHITE, Albedo::BLACK, albedo]),
+                exponent,
+            );
+            let phong = if random.one_in(2) {
+                phong
+            } else {
+                phong.unnormalized()
+            };
+            Material::BlinnPhong(if two_sided { phong } else { phong.one_sided() })
+        }
+        2 => {
+            let metal = Conductor::new(albedo);
+            let metal = if random.one_in(3) {
+                metal
+            } else {
+                metal.rough(alpha)
+            };
+            let index = |random: &mut Random| {
+                [0; 3].map(|_| Index::from_bits(random.pick(&[0, 1, 600, 4096, 9000, u16::MAX])))
+            };
+            let metal = if random.one_in(3) {
+                metal
+            } else {
+                metal.with_index(index(random), index(random))
+            };
+            Material::Conductor(if two_sided { metal } else { metal.one_sided() })
+        }
+        _ => {
+            let eta = random.pick(&[0, 1 << 14, 60_000, 66_048, 98_304, 1 << 18]);
+            let smooth = Dielectric::new(Metres::from_bits(eta)).tinted(albedo, Albedo::WHITE);
+            Material::RoughDielectric(RoughDielectric::new(smooth, alpha))
+        }
     }
 }
 
@@ -256,6 +312,8 @@ impl Draft {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
+            environment: Environment::None,
+            choice: &[],
             meshes,
             grid: self.arrangement.grid,
             nodes: &self.nodes,

@@ -18,6 +18,7 @@ Examples:
                                                what a 16-bit display would show
   host-sim compare cornell --diff diff.png     fixed point against f64, in numbers and as a picture
   host-sim info bunny.obj                      how much flash and RAM a board needs for it
+  host-sim report -o report                    everything at once, on a page: report/report.html
 
 Each command has its own help, with more examples: host-sim render --help";
 
@@ -35,6 +36,7 @@ pub enum Command {
     Render(RenderArgs),
     Compare(CompareArgs),
     Info(InfoArgs),
+    Report(ReportArgs),
     Scenes,
 }
 
@@ -154,6 +156,67 @@ pub struct InfoArgs {
     pub json: Option<PathBuf>,
     #[command(flatten)]
     pub settings: Settings,
+}
+
+const REPORT_EXAMPLES: &str = "\
+DIR/report.html shows everything, with its pictures inside, and needs nothing else; DIR/report.json has all of the
+numbers. DIR is made if it is not there; both files appear when everything is done, and Ctrl-C leaves none.
+
+For each scene, integrator and sampler: the fixed-point picture beside the f64 reference's (and Mitsuba's, where there is
+one), what they differ by, the bias with its standard error, and how the error falls with the number of samples. What is
+beyond the project's bars is marked, and an overview stands at the top.
+
+Pictures by Mitsuba are found as reference/NAME.exr beside a scene file NAME.xml, or as NAME.exr in --reference-dir. They
+may be larger by a whole factor.
+
+Examples:
+  host-sim report -o report                    the built-in scenes, in a few minutes
+  host-sim report --quick -o report            a first look
+  host-sim report scenes/*.xml --spp 64 --samplers stratified,sobol -o report";
+
+/// Write a page that shows what is right and what is not: scenes, integrators and samplers beside the reference.
+#[derive(Debug, Args)]
+#[command(after_help = REPORT_EXAMPLES, after_long_help = REPORT_EXAMPLES)]
+pub struct ReportArgs {
+    /// Built-in scenes or files: .xml (Mitsuba 3), .obj, .ply [default: all built-in scenes]
+    #[arg(value_name = "SCENE")]
+    pub scenes: Vec<String>,
+    /// Write report.html and report.json into this folder.
+    #[arg(short, long = "output", value_name = "DIR")]
+    pub output: PathBuf,
+    /// A first look: smaller pictures, fewer samples.
+    #[arg(long)]
+    pub quick: bool,
+    /// Samples a pixel; the error is shown at every power of two up to this one [default: 16; 4 with --quick]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
+    pub spp: Option<u32>,
+    /// Samples a pixel of the f64 reference, which is rendered twice to know its noise [default: 4 times --spp]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
+    pub reference_spp: Option<u32>,
+    /// Pixels across [default: the scene's, at most 128; 64 with --quick]
+    #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
+    pub width: Option<u32>,
+    /// Integrators to look at [default: all]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub integrators: Vec<IntegratorArg>,
+    /// Samplers to look at [default: all]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub samplers: Vec<SamplerArg>,
+    /// Look for pictures by Mitsuba here, as NAME.exr [default: the folder reference beside the scene file]
+    #[arg(long, value_name = "FOLDER")]
+    pub reference_dir: Option<PathBuf>,
+    /// Same seed, same pictures; another, another noise
+    #[arg(long, value_name = "S", default_value_t = 0)]
+    pub seed: u32,
+    /// Threads; nothing but the speed depends on it [default: one a core]
+    #[arg(long, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Warn about what a scene file has that is not supported, and go on without it.
+    #[arg(long)]
+    pub lenient: bool,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Which scene, and how to read it.

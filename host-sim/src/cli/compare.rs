@@ -162,12 +162,9 @@ impl Comparison {
             insert_metrics(&mut map, "against_reference_", reference);
         }
         map.insert("primary_rays".to_string(), self.primary.rays.into());
+        let primary = self.primary.entries();
+        map.extend(primary.map(|(key, value)| (key.to_string(), value.into())));
         let numbers = [
-            ("hit_miss_disagreement", self.primary.hit_miss_disagreement),
-            ("hit_point_error_p50", self.primary.hit_point_error.p50),
-            ("hit_point_error_p99", self.primary.hit_point_error.p99),
-            ("hit_point_error_p9999", self.primary.hit_point_error_away.p9999),
-            ("hit_point_error_max", self.primary.hit_point_error.max),
             ("fixed_seconds", self.fixed_stats.seconds),
             ("reference_seconds", self.reference_stats.seconds),
             ("fixed_rays_per_second", self.fixed_stats.rays_per_second()),
@@ -254,15 +251,11 @@ impl Comparison {
 }
 
 fn insert_metrics(map: &mut Map<String, Value>, prefix: &str, metrics: &Metrics) {
-    let values = [
-        ("bias", metrics.bias),
-        ("rmse", metrics.rmse),
-        ("psnr_db", metrics.psnr_db),
-        ("flip", metrics.flip),
-        ("block_p95", metrics.block_p95),
-        ("block_max", metrics.block_max),
-    ];
-    map.extend(values.map(|(key, value)| (format!("{prefix}{key}"), value.into())));
+    map.extend(
+        metrics
+            .entries()
+            .map(|(key, value)| (format!("{prefix}{key}"), value.into())),
+    );
 }
 
 fn metrics_cells(label: &str, metrics: &Metrics) -> [String; 6] {

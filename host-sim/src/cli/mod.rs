@@ -5,9 +5,10 @@ mod compare;
 mod info;
 mod progress;
 mod render;
+mod report;
 mod source;
 mod stop;
-mod table;
+pub(crate) mod table;
 mod terminal;
 #[cfg(feature = "window")]
 mod window;
@@ -29,6 +30,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::render(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Info(args) => info::info(&args),
+        Command::Report(args) => report::report(&args),
         Command::Scenes => scenes(),
     };
     match result {

@@ -57,13 +57,33 @@ impl Metrics {
         let (block_p95, block_max) = block_errors(&p, &r, picture.width);
         Ok(Metrics {
             bias: (mean(p.as_flattened()) - reference_mean) / reference_mean.max(DARKEST_MEAN),
-            rmse: mean_square(&p, &r).sqrt(),
+            rmse: rmse(picture, reference)?,
             psnr_db: psnr(mean_square(&signals(picture), &signals(reference))),
             flip: mean(&flip_map(picture, reference)?.map(f64::from).collect::<Vec<_>>()),
             block_p95,
             block_max,
         })
     }
+
+    /// The numbers with the names that files have for them.
+    pub fn entries(&self) -> [(&'static str, f64); 6] {
+        [
+            ("bias", self.bias),
+            ("rmse", self.rmse),
+            ("psnr_db", self.psnr_db),
+            ("flip", self.flip),
+            ("block_p95", self.block_p95),
+            ("block_max", self.block_max),
+        ]
+    }
+}
+
+/// [`Metrics::rmse`] alone.
+pub fn rmse(picture: &Picture, reference: &Picture) -> Result<f64, MetricsError> {
+    same_size(picture, reference)?;
+    all_finite(picture)?;
+    all_finite(reference)?;
+    Ok(mean_square(&capped(picture), &capped(reference)).sqrt())
 }
 
 /// FLIP of each pixel, 0..1, at 67 pixels a degree (0.7 m from a 0.7 m wide screen of 3840 pixels, the paper's default).

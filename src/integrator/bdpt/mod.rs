@@ -8,7 +8,6 @@ mod weight;
 use super::{Integrator, SplatSink, View, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
-use crate::light::choose;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 use crate::scene::{Hit, Seen};
@@ -101,6 +100,16 @@ impl<const N: usize> Integrator for Bdpt<N> {
     }
 }
 
+/// The weight of a BSDF's direction against a light sample: of paths too long for every other strategy.
+#[inline]
+fn bsdf_weight(bsdf_pdf: Wide, sample: Wide) -> Wide {
+    if bsdf_pdf.is_zero() {
+        Wide::ONE
+    } else {
+        power_heuristic(bsdf_pdf, sample)
+    }
+}
+
 impl<const N: usize> Bdpt<N> {
     /// Segments of the longest path that every strategy looks for.
     pub const FULL_DEPTH: u16 = N as u16 + 2;
@@ -170,8 +179,17 @@ impl<const N: usize> Bdpt<N> {
             let hit = match seen {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
-                    // Nothing else finds it.
-                    tally.gather(strategy, throughput.mul(scene.environment()), Wide::ONE);
+                    let sample = scene.background_pdf(ray.dir);
+                    let weight = if depth == 1 || sample.is_zero() {
+                        // Nothing else finds it.
+                        Wide::ONE
+                    } else if depth > Self::FULL_DEPTH {
+                        bsdf_weight(bsdf_pdf, sample)
+                    } else {
+                        // No light subpath begins there.
+                        weight(Wide::ZERO, partial.shorter_at_light(sample, Wide::ZERO))
+                    };
+                    tally.gather(strategy, throughput.mul(scene.background(ray.dir)), weight);
                     break;
                 }
                 Some(Seen::Environment) | None => break,
@@ -209,7 +227,7 @@ impl<const N: usize> Bdpt<N> {
 
             let (choice, place) = (sampler.next_1d(), sampler.next_2d());
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
-            let (light, number) = choose(choice, scene.light_count());
+            let (light, number) = scene.choose_light(choice);
             if at.vertex.material.is_smooth() {
                 self.sample_light(view, &at, light, place, tally, rays);
                 if depth + 2 <= self.max_depth.min(Self::FULL_DEPTH) {
@@ -250,14 +268,10 @@ impl<const N: usize> Bdpt<N> {
         hit: &Hit,
     ) -> Wide {
         if depth > Self::FULL_DEPTH {
-            return if bsdf_pdf.is_zero() {
-                Wide::ONE
-            } else {
-                power_heuristic(bsdf_pdf, sample)
-            };
+            return bsdf_weight(bsdf_pdf, sample);
         }
-        let count = Wide::new(view.scene.light_count(), 0);
-        let emission = view.scene.emission_density(light as u32, hit.triangle) / count;
+        let chance = view.scene.light_chance(light as u32);
+        let emission = view.scene.emission_density(light as u32, hit.triangle) * chance;
         weight(Wide::ZERO, partial.shorter_at_light(sample, emission))
     }
 
@@ -288,8 +302,8 @@ impl<const N: usize> Bdpt<N> {
         if scene.occluded(&shadow, sample.distance, sample.shape) {
             return;
         }
-        // One of `light_count` is chosen: the density is that much smaller.
-        let count = Wide::new(scene.light_count(), 0);
+        // One of several is chosen: the density is that much smaller.
+        let count = scene.light_chance(light).recip();
         let arriving = at.throughput.mul(reflected.mul(sample.radiance));
         let arriving = if sample.is_delta() {
             arriving.scale(count)
@@ -333,11 +347,11 @@ impl<const N: usize> Bdpt<N> {
             return;
         }
         let (choice, place, direction) = (sampler.next_1d(), sampler.next_2d(), sampler.next_2d());
-        let (light, _) = choose(choice, scene.light_count());
+        let (light, _) = scene.choose_light(choice);
         let Some(emission) = scene.emit(light, place, direction) else {
             return;
         };
-        let count = Wide::new(scene.light_count(), 0);
+        let count = scene.light_chance(light).recip();
         let mut throughput = emission.power.scale(count);
         let first = throughput.max_channel();
         let mut ray = emission.ray;
