@@ -356,7 +356,7 @@ pub fn render_reference(
             IntegratorKind::Ao => reference::Estimator::AmbientOcclusion {
                 radius: desc.integrator.ao_radius.unwrap_or(f64::INFINITY),
             },
-            _ => reference::Estimator::default(),
+            _ => reference::Estimator::Guided,
         },
         ..reference::Settings::default()
     };
