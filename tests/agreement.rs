@@ -156,7 +156,6 @@ struct ByStrategy(BTreeMap<Strategy, [f64; 2]>);
 
 impl Tally for ByStrategy {
     const SPLATS: bool = true;
-    const ALL: bool = true;
 
     fn gather(&mut self, strategy: Strategy, light: Radiance, weight: Wide) {
         let sums = self.0.entry(strategy).or_default();

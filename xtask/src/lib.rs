@@ -4,8 +4,8 @@
 //! [`toolchain`] for its cargo, so that rustup's targets and Debian's compiler both serve.
 
 pub mod accuracy;
-pub mod bench_bdpt;
 pub mod bench_host;
+pub mod board;
 pub mod ci;
 pub mod cli;
 pub mod device;
