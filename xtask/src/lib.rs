@@ -4,6 +4,7 @@
 //! [`toolchain`] for its cargo, so that rustup's targets and Debian's compiler both serve.
 
 pub mod accuracy;
+pub mod bench_bdpt;
 pub mod bench_host;
 pub mod board;
 pub mod ci;

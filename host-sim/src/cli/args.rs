@@ -252,6 +252,9 @@ pub struct Settings {
     /// How light is followed [default: the scene's]
     #[arg(long, value_enum)]
     pub integrator: Option<IntegratorArg>,
+    /// bdpt as on a board without memory for a whole frame: no light subpath meets the lens, and 8 vertices are kept
+    #[arg(long)]
+    pub tiles: bool,
     /// Longest path, in segments: 1 sees lights alone, 2 direct light [default: the scene's]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub max_depth: Option<u32>,
@@ -275,6 +278,12 @@ pub enum IntegratorArg {
     Direct,
     /// All of it, bounce after bounce
     Path,
+    /// From the camera and from the lights, joined everywhere
+    Bdpt,
+    /// From the lights alone
+    Light,
+    /// No light at all: how open each surface is
+    Ao,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -349,6 +358,7 @@ impl Settings {
             height,
             spp: self.spp.unwrap_or(own.spp),
             integrator: self.integrator.map_or(own.integrator, IntegratorKind::from),
+            tiles: self.tiles,
             max_depth: self.max_depth.or(own.max_depth),
             sampler: self.sampler.map_or(own.sampler, SamplerKind::from),
             seed: self.seed,
@@ -364,6 +374,9 @@ impl From<IntegratorArg> for IntegratorKind {
         match arg {
             IntegratorArg::Direct => IntegratorKind::Direct,
             IntegratorArg::Path => IntegratorKind::Path,
+            IntegratorArg::Bdpt => IntegratorKind::Bdpt,
+            IntegratorArg::Light => IntegratorKind::Light,
+            IntegratorArg::Ao => IntegratorKind::Ao,
         }
     }
 }
