@@ -358,7 +358,6 @@ pub fn render_reference(
             },
             _ => reference::Estimator::Guided,
         },
-        ..reference::Settings::default()
     };
     let rows = options.height as usize;
     let started = Instant::now();
