@@ -83,15 +83,10 @@ impl Machine {
             Self::Wasm32 => ("wasm", "firmware_wasm"),
             _ => ("qemu", "firmware-qemu"),
         };
-        // All jobs in one program do not fit the micro:bit's 256 KiB when they are built for speed.
-        let opt_level = if self.name() == "microbit" { "s" } else { "3" };
         let build = Build {
             package,
             features: &[],
-            environment: &[
-                ("MACHINE", self.name()),
-                ("CARGO_PROFILE_RELEASE_OPT_LEVEL", opt_level),
-            ],
+            environment: &toolchain::machine(self.name()),
             name: self.name(),
         };
         toolchain::build(&build, self.target(), program)

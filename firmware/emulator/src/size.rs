@@ -66,7 +66,7 @@ impl Program {
         let build = Build {
             package: self.package,
             features: &[],
-            environment: &[&environment[..], &[("MACHINE", self.board.name())]].concat(),
+            environment: &[&environment[..], &toolchain::machine(self.board.name())].concat(),
             name: self.board.name(),
         };
         toolchain::build(&build, self.board.target(), self.name)

@@ -30,6 +30,17 @@ pub struct Build<'a> {
     pub name: &'a str,
 }
 
+/// What a program's environment says of the machine it is for.
+///
+/// All jobs in one program do not fit the micro:bit's 256 KiB of flash when they are built for speed.
+pub fn machine(name: &str) -> Vec<(&'static str, &str)> {
+    let mut settings = vec![("MACHINE", name)];
+    if name == "microbit" {
+        settings.push(("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s"));
+    }
+    settings
+}
+
 /// Builds in release mode for `target` and returns a copy of the program named `program`.
 ///
 /// An ELF file also says what stack each function takes and which of its words are addresses, in sections that are not
