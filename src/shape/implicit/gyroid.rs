@@ -21,7 +21,7 @@ pub struct Gyroid {
     pub bound: Bound,
 }
 
-/// What a gyroid is cut to, about its centre: maxᵢ(|qᵢ| − half[i]), or |q| − radius.
+/// What a gyroid is cut to, about its centre: maxᵢ(|qᵢ| − halfᵢ), or |q| − radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Bound {
     /// A ball's radius, 0, 0, or a block's half extents.

@@ -5,7 +5,7 @@ use super::{Blob, Place, Solid, upper_length};
 use crate::geom::{Dir, Point};
 use crate::num::{ONE_Q16, mul_q16};
 
-/// A box rolled around by a ball: with dᵢ = |qᵢ| − (half[i] − radius),
+/// A box rolled around by a ball: with dᵢ = |qᵢ| − (halfᵢ − radius),
 /// f = |max(d, 0)| + min(max(d₀, d₁, d₂), 0) − radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RoundedBox {
