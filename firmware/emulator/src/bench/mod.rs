@@ -191,7 +191,7 @@ fn heading(runs: u32) -> Result<String> {
     Ok(format!(
         "# On the chip\n\n\
         Written by `cargo xtask bench-device`; {runs} runs of each count were equal.\n\n\
-        - date: {}\n- commit: {state}\n- flags: opt-level 3, fat LTO, one codegen unit, panic = abort\n\
+        - date: {}\n- commit: {state}\n- flags: opt-level 3 (the micro:bit's jobs: s), fat LTO, one codegen unit, panic = abort\n\
         - compiler: {}\n- emulators: {}; node {}, rp2040js {}\n\n\
         Cycles are those of a Cortex-M0+ with the single-cycle multiplier and memory without wait states \
         (`firmware/emulator/plugin/src/cycles.rs`): no misses of the Pico's flash cache.\n",
