@@ -81,6 +81,13 @@ fn glowing_box() {
         &PATTERNED,
         exact(RHO),
     );
+    glowing(RHO).assert_light(
+        "glowing box",
+        view.effort(16, 8192),
+        &DEPTHS,
+        &PATTERNED[1..],
+        exact(RHO),
+    );
     let grey = [0.3, 0.15, 0.25];
     glowing(grey).assert(
         "roulette",
