@@ -12,6 +12,7 @@ use serde_json::{Map, Value};
 
 use crate::accuracy::{Case, Error, Header, files, mitsuba};
 use crate::bench_host::difference;
+use crate::picture::{self, CAP, Picture};
 use crate::shell;
 
 #[derive(Args)]
@@ -30,8 +31,6 @@ const WAYS: [(&str, &[&str]); 3] = [
 ];
 /// Samples a pixel of each of the two renders.
 const SPP: u32 = 64;
-/// Light above counts as this, as in every error of the project.
-const CAP: f32 = 8.0;
 
 /// One way of rendering one scene.
 struct Row {
@@ -44,8 +43,6 @@ struct Row {
     fixed: Error,
     mitsuba: Option<Error>,
 }
-
-type Pixels = Vec<[f32; 3]>;
 
 /// Measures and writes the record.
 pub fn run(options: &Options) -> Result<()> {
@@ -75,7 +72,7 @@ pub fn run(options: &Options) -> Result<()> {
         for (way, arguments) in WAYS {
             let seeds = [1, 2].map(|seed| render(&host_sim, case, seed, arguments));
             let [one, other] = seeds;
-            let (one, other) = (one?.1, other?.1);
+            let (one, other) = (one?.pixels, other?.pixels);
             let all = vec![true; matt.len()];
             let variance = [&all, &matt].map(|mask| variance(&one, &other, mask) * f64::from(SPP));
             let instructions = difference(&host_sim, case, arguments)?
@@ -102,37 +99,14 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-fn render(host_sim: &Path, case: &Case, seed: u32, more: &[&str]) -> Result<(usize, Pixels)> {
-    let folder = tempfile::tempdir()?;
-    let file = folder.path().join("picture.pfm");
-    let mut command = Command::new(host_sim);
-    command.args(["render", &case.scene, "--sampler", "independent", "--quiet"]);
-    command.args(["--spp", &SPP.to_string(), "--seed", &seed.to_string(), "-o"]);
-    command.arg(&file).args(more).current_dir(&case.folder);
-    shell::run(&mut command)?;
-    read_pfm(&std::fs::read(&file)?).context("host-sim wrote no picture")
-}
-
-/// Width and pixels of a colour PFM, little-endian, in the file's order.
-fn read_pfm(bytes: &[u8]) -> Option<(usize, Pixels)> {
-    let mut rest = bytes;
-    let mut words = Vec::new();
-    while words.len() < 4 {
-        let end = rest.iter().position(u8::is_ascii_whitespace)?;
-        words.push(std::str::from_utf8(&rest[..end]).ok()?);
-        rest = &rest[end + 1..];
-    }
-    let (width, height): (usize, usize) = (words[1].parse().ok()?, words[2].parse().ok()?);
-    if words[0] != "PF" || !words[3].starts_with('-') || rest.len() != 12 * width * height {
-        return None;
-    }
-    let channel = |b: &[u8]| b.try_into().map(f32::from_le_bytes).unwrap_or_default();
-    let pixel = |b: &[u8]| [channel(&b[..4]), channel(&b[4..8]), channel(&b[8..])];
-    Some((width, rest.chunks_exact(12).map(pixel).collect()))
+fn render(host_sim: &Path, case: &Case, seed: u32, more: &[&str]) -> Result<Picture> {
+    let (spp, seed) = (SPP.to_string(), seed.to_string());
+    let ours = ["--sampler", "independent", "--spp", &spp, "--seed", &seed];
+    picture::render(host_sim, case, &[&ours, more].concat())
 }
 
 /// Half the mean squared difference of two renders: the variance of one.
-fn variance(one: &Pixels, other: &Pixels, mask: &[bool]) -> f64 {
+fn variance(one: &[[f32; 3]], other: &[[f32; 3]], mask: &[bool]) -> f64 {
     let pairs = one.iter().zip(other).zip(mask).filter(|(_, wanted)| **wanted);
     let (mut sum, mut count) = (0.0, 0);
     for ((a, b), _) in pairs {
@@ -147,7 +121,7 @@ fn variance(one: &Pixels, other: &Pixels, mask: &[bool]) -> f64 {
 /// Width of the picture, and which pixels show matt surfaces alone: light tracing leaves mirrors and glass black, and what
 /// shines by itself is brighter than the cap. Pixels beside others count as those.
 fn matt(host_sim: &Path, case: &Case) -> Result<(usize, Vec<bool>)> {
-    let (width, pixels) = render(host_sim, case, 3, &["--integrator", "light"])?;
+    let Picture { width, pixels } = render(host_sim, case, 3, &["--integrator", "light"])?;
     let fits = |p: &[f32; 3]| p.iter().any(|c| *c > 0.0) && p.iter().all(|c| *c < 0.95 * CAP);
     let own: Vec<bool> = pixels.iter().map(fits).collect();
     let at = |x: isize, y: isize| {
@@ -249,18 +223,6 @@ fn text(header: &Header, rows: &[Row]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_pfm_is_read() {
-        let mut bytes = b"PF\n2 1\n-1.0\n".to_vec();
-        for value in [1.0f32, 2.0, 3.0, 4.0, 5.0, 6.0] {
-            bytes.extend(value.to_le_bytes());
-        }
-        let (width, pixels) = read_pfm(&bytes).unwrap();
-        assert_eq!((width, pixels), (2, vec![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]));
-        bytes.pop();
-        assert!(read_pfm(&bytes).is_none());
-    }
 
     #[test]
     fn variance_is_that_of_one_render() {

@@ -13,6 +13,8 @@ pub mod device;
 pub mod golden;
 pub mod layers;
 pub mod no_float;
+pub mod picture;
+pub mod sampling;
 pub mod setup;
 pub mod shell;
 pub mod toolchain;
