@@ -156,6 +156,7 @@ struct ByStrategy(BTreeMap<Strategy, [f64; 2]>);
 
 impl Tally for ByStrategy {
     const SPLATS: bool = true;
+    const ALL: bool = true;
 
     fn gather(&mut self, strategy: Strategy, light: Radiance, weight: Wide) {
         let sums = self.0.entry(strategy).or_default();

@@ -3,7 +3,7 @@
 mod scenes;
 
 use microlux::bvh;
-use microlux::geom::{FAR, REACH, Ray};
+use microlux::geom::{FAR, Point, REACH, Ray};
 use microlux::scene::{Hit, Scene};
 use microlux::shape::{Geometry, Slopes};
 use scenes::{Draft, Random};
@@ -19,6 +19,10 @@ fn ray(random: &mut Random, scene: &Scene, met: Option<(Ray, Hit)>) -> Ray {
         Geometry::Mesh(mesh) => {
             let mesh = &scene.parts().meshes[mesh as usize].triangles;
             mesh.grid.to_scene(random.pick(mesh.vertices))
+        }
+        Geometry::Implicit(solid) => {
+            let (low, high) = solid.bounds(scene.parts().blobs);
+            Point([0, 1, 2].map(|i| low.0[i] + (high.0[i] - low.0[i]) / 2))
         }
     };
     let origin = match (random.below(8), met) {
@@ -55,6 +59,7 @@ fn distance_but(scene: &Scene, ray: &Ray, but: u16) -> i32 {
                 let triangles = &parts.meshes[mesh as usize].triangles;
                 bvh::closest_linear(triangles, ray, &slopes, FAR + 1).map(|hit| hit.t)
             }
+            Geometry::Implicit(solid) => solid.intersect(parts.blobs, ray, FAR + 1),
             closed => closed.intersect(ray, FAR + 1),
         })
         .min()

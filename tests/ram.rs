@@ -15,11 +15,13 @@ use embedded_graphics::geometry::{OriginDimensions, Size};
 use embedded_graphics::pixelcolor::{IntoStorage, Rgb565};
 use embedded_graphics::{Pixel, prelude::Point};
 use microlux::bvh::{Node, max_nodes};
+use microlux::camera::Camera;
 use microlux::color::Radiance;
 use microlux::film::Display;
-use microlux::integrator::Path;
+use microlux::integrator::{Bdpt, Integrator, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{Sobol, Stratified};
+use microlux::scene::Scene;
 use microlux::scene::builtin::spheres;
 
 const WIDTH: usize = 240;
@@ -165,4 +167,39 @@ fn the_measure_measures() {
     let small = painted(&mut || fill::<1000>());
     let large = painted(&mut || fill::<50_000>());
     assert!((large - small).abs_diff(49_000) < 200, "{small} {large}");
+}
+
+/// Some pixels by one integrator; never inlined, so that its stack is its own.
+#[inline(never)]
+fn pixels<I: Integrator>(scene: &Scene, camera: Camera, integrator: I) {
+    let settings = Settings {
+        width: 8,
+        height: 8,
+        spp: 4,
+    };
+    let mut strip = [Radiance::BLACK; 64];
+    let mut renderer = Renderer::new(scene, camera, integrator, Sobol::new(1), settings);
+    while let Some(tile) = renderer.step(&mut strip) {
+        black_box(tile.pixels);
+    }
+}
+
+/// Bidirectional path tracing takes its vertices, and a little, more than path tracing.
+#[test]
+fn bidirectional_paths() {
+    let (mut builder, camera) = spheres().unwrap();
+    let mut nodes = [Node::EMPTY; max_nodes(10)];
+    let scene = builder.build(&mut nodes).unwrap();
+    let idle = painted(&mut || ());
+    let path = painted(&mut || pixels(&scene, camera, Path::new(10))) - idle;
+    let eight = painted(&mut || pixels(&scene, camera, Bdpt::new(10))) - idle;
+    let sixteen = painted(&mut || pixels(&scene, camera, Bdpt::<16>::with_capacity(10))) - idle;
+    println!("{path} bytes by path, {eight} by bdpt with 8 vertices, {sixteen} with 16");
+    let vertex = (sixteen - eight) / 8;
+    println!("{vertex} bytes a vertex");
+    assert!((64..=128).contains(&vertex), "{vertex} bytes a vertex");
+    assert!(
+        eight <= path + 8 * vertex + 2048,
+        "{eight} bytes are much more than {path}"
+    );
 }

@@ -5,6 +5,7 @@ use crate::reference;
 use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Shape, Vec3, vec3};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point};
+use microlux::light::Environment;
 use std::sync::Arc;
 
 mod material;
@@ -92,6 +93,7 @@ pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
         lights: lights
             .iter()
             .filter_map(|light| free_light(&frame, light))
+            .chain(background(checked.environment()))
             .collect(),
     })
 }
@@ -127,6 +129,7 @@ fn geometry(
                 v: side(r.v, r.half[1]),
             }
         }
+        Core::Implicit(_) => unreachable!("quantise lets none of them in"),
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
             let vertices = mesh
@@ -138,6 +141,49 @@ fn geometry(
             Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, Vec::new())))
         }
     }
+}
+
+/// A sky, its sun, or a map; a constant environment is one of the lights.
+fn background(environment: &Environment) -> Vec<Light> {
+    match environment {
+        Environment::None | Environment::Constant(_) => Vec::new(),
+        Environment::Sky(sky) => {
+            let [zenith, horizon, ground] = sky.colors().map(|color| radiance(color).into());
+            let gradient = Light::Gradient(reference::Gradient {
+                zenith,
+                horizon,
+                ground,
+                up: dir(sky.up()),
+            });
+            let sun = sky.sun().map(|(direction, cone, color)| {
+                let versine = wide(cone.versine());
+                Light::Sun(reference::Sun {
+                    direction: dir(direction),
+                    radiance: radiance(color).into(),
+                    // 1 − cos α = 2 sin² (α/2)
+                    angle: 4.0 * (versine / 2.0).sqrt().asin().to_degrees(),
+                })
+            });
+            std::iter::once(gradient).chain(sun).collect()
+        }
+        Environment::Map(map) => {
+            let [width, height] = map.size().map(usize::from);
+            let (texels, exponent) = map.texels();
+            let pixels = texels
+                .iter()
+                .map(|texel| radiance(texel.radiance(i32::from(exponent))).into());
+            vec![Light::Map(Arc::new(reference::Map {
+                width,
+                height,
+                pixels: pixels.collect(),
+                axes: map.axes().map(unit),
+            }))]
+        }
+    }
+}
+
+fn wide(x: microlux::num::Wide) -> f64 {
+    f64::from(x.mantissa()) * f64::from(i32::from(x.exponent()) - 15).exp2()
 }
 
 fn free_light(frame: &Frame, light: &microlux::light::Light) -> Option<Light> {

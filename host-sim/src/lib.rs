@@ -4,6 +4,8 @@ pub mod builtin;
 pub mod cli;
 pub mod dequantise;
 pub mod desc;
+pub mod envmap;
+pub mod expose;
 pub mod import;
 pub mod metrics;
 pub mod picture;

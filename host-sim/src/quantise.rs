@@ -1,14 +1,15 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
 use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::envmap::{self, BakedMap};
 use fixed::types::I12F20;
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::{Environment, Light};
+use microlux::light::{Environment, Light, Sky};
 use microlux::material::Material;
-use microlux::num::Share;
+use microlux::num::{Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 use thiserror::Error;
@@ -36,7 +37,17 @@ pub fn losses(desc: &SceneDesc) -> Vec<String> {
             "{name}: its smooth normals are left out, its faces are flat; face_normals true says that they shall be"
         )
     };
-    desc.shapes.iter().filter(smooth).map(line).collect()
+    let mut lines: Vec<String> = desc.shapes.iter().filter(smooth).map(line).collect();
+    for light in &desc.lights {
+        if let LightDesc::EnvMap { width, height, .. } = light
+            && let Some([across, down]) = envmap::resizing(*width as usize, *height as usize)
+        {
+            lines.push(format!(
+                "envmap: its {width} x {height} pixels become {across} x {down}, of the same mean"
+            ));
+        }
+    }
+    lines
 }
 
 /// A scene in the core's numbers, owned.
@@ -53,6 +64,17 @@ pub struct CoreScene {
     nodes: Vec<Node>,
     arrangement: Arrangement,
     names: Vec<String>,
+    background: Background,
+    /// How lights are chosen, by their power.
+    choice: Vec<u32>,
+}
+
+/// What surrounds the scene and is no constant.
+#[derive(Debug)]
+enum Background {
+    None,
+    Sky(Sky),
+    Map(BakedMap),
 }
 
 /// A mesh in its own grid, with the tree over it.
@@ -117,6 +139,7 @@ impl CoreScene {
             });
         }
         let mut environment = None;
+        let mut background = Background::None;
         for light in &desc.lights {
             match light {
                 LightDesc::Point { position, intensity } => {
@@ -139,11 +162,32 @@ impl CoreScene {
                         radiance: radiance(*r),
                     });
                 }
-                LightDesc::Gradient { .. } | LightDesc::EnvMap { .. } => {
-                    let name = variant(light);
-                    let what =
-                        "the fixed-point core has no such environment yet; use a constant one".to_string();
-                    return Err(QuantiseError::Unsupported { name, what });
+                LightDesc::Gradient {
+                    zenith,
+                    horizon,
+                    ground,
+                    up,
+                    sun,
+                } => {
+                    let sky = Sky::new(dir(*up), radiance(*zenith), radiance(*horizon), radiance(*ground));
+                    background = Background::Sky(match sun {
+                        Some(sun) => sky.with_sun(
+                            dir(sun.direction),
+                            Turn::saturating_from_num(sun.angle / 360.0),
+                            radiance(sun.radiance),
+                        ),
+                        None => sky,
+                    });
+                }
+                LightDesc::EnvMap {
+                    width,
+                    height,
+                    pixels,
+                    to_world,
+                } => {
+                    let axes = to_world.map(dir);
+                    let map = BakedMap::new(*width as usize, *height as usize, pixels, axes);
+                    background = Background::Map(map);
                 }
             }
         }
@@ -152,11 +196,11 @@ impl CoreScene {
         let mut nodes = vec![Node::EMPTY; max_nodes(shapes.len())];
         let mut boxes = vec![Boxed::EMPTY; shapes.len()];
         let borrowed: Vec<_> = meshes.iter().map(OwnedMesh::borrow).collect();
-        let arrangement = arrange(&mut shapes, &borrowed, &mut lights, &mut boxes, &mut nodes)
+        let arrangement = arrange(&mut shapes, &borrowed, &[], &mut lights, &mut boxes, &mut nodes)
             .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         nodes.truncate(arrangement.nodes);
         let camera = round.camera(desc);
-        Ok(CoreScene {
+        let mut core = CoreScene {
             unit,
             origin,
             camera,
@@ -167,7 +211,30 @@ impl CoreScene {
             nodes,
             arrangement,
             names,
-        })
+            background,
+            choice: Vec::new(),
+        };
+        core.choose_by_power();
+        Ok(core)
+    }
+
+    /// Makes the table by which lights are chosen; a scene that the border refuses has none.
+    fn choose_by_power(&mut self) {
+        let meshes = self.meshes();
+        let mut table = Vec::new();
+        if let Ok(scene) = self.scene(&meshes) {
+            table = vec![0; scene.light_count().saturating_sub(1) as usize];
+            scene.choose_by_power(&mut table);
+        }
+        self.choice = table;
+    }
+
+    /// Bytes of constant memory that a map of the environment takes.
+    pub fn map_bytes(&self) -> usize {
+        match &self.background {
+            Background::Map(map) => map.map().map_or(0, |map| map.bytes()),
+            Background::None | Background::Sky(_) => 0,
+        }
     }
 
     /// The meshes as the core borrows them.
@@ -183,9 +250,19 @@ impl CoreScene {
             bounded: self.arrangement.bounded as u16,
             materials: &self.materials,
             lights: &self.lights,
-            environment: Environment::None,
-            choice: &[],
+            environment: match &self.background {
+                Background::None => Environment::None,
+                Background::Sky(sky) => Environment::Sky(sky),
+                Background::Map(map) => {
+                    Environment::Map(map.map().map_err(|error| QuantiseError::Unsupported {
+                        name: "envmap".into(),
+                        what: error.to_string(),
+                    })?)
+                }
+            },
+            choice: &self.choice,
             meshes,
+            blobs: &[],
             grid: self.arrangement.grid,
             nodes: &self.nodes,
         };

@@ -5,18 +5,19 @@ use std::time::Instant;
 
 use crate::dequantise::{self, Frame};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
+use crate::expose::SharedExposure;
 use crate::quantise::{self, CoreScene, QuantiseError};
 use crate::show::{self, DisplayKind, Look};
 use crate::{primary, reference};
 use embedded_graphics::geometry::{Point, Size};
-use embedded_graphics::primitives::Rectangle;
+use embedded_graphics::primitives::{PointsIter, Rectangle};
 use microlux::bvh::Node;
 use microlux::color::Radiance;
 use microlux::film::Tile;
-use microlux::integrator::Path;
+use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
-use microlux::sampler::{AnySampler, Cmj, Independent, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::Mesh;
+use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
+use microlux::scene::{Mesh, Scene};
 use rayon::prelude::*;
 
 pub use crate::picture::{Aov, Picture};
@@ -37,6 +38,9 @@ pub struct Options {
     /// Samples a pixel.
     pub spp: u32,
     pub integrator: IntegratorKind,
+    /// Whether `Bdpt` is to do without a whole frame, as on a board that has no memory for one, and with a board's
+    /// memory for vertices.
+    pub tiles: bool,
     /// Paths of at most this many segments; `None`: roulette alone ends them.
     pub max_depth: Option<u32>,
     pub sampler: SamplerKind,
@@ -60,6 +64,7 @@ impl Options {
             height: desc.height,
             spp: desc.spp.unwrap_or(DEFAULT_SPP),
             integrator: desc.integrator.kind,
+            tiles: false,
             max_depth: desc.integrator.max_depth,
             sampler: SamplerKind::Stratified,
             seed: 0,
@@ -169,59 +174,62 @@ pub fn render_fixed(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
-    if !matches!(options.integrator, IntegratorKind::Path | IntegratorKind::Direct) {
-        let kind = format!("{:?}", options.integrator).to_lowercase();
-        let message = format!("there is no fixed-point integrator {kind} yet; take path or direct");
-        return Err(Error::Scene(message));
-    }
     let core = CoreScene::new(desc)?;
     let meshes = core.meshes();
     let scene = core.scene(&meshes)?;
-    let settings = settings(options);
-    let path = integrator(desc, options);
-    let sampler = sampler(options);
-    let renderer = || Renderer::new(&scene, core.camera, path, sampler.clone(), settings);
-    let tile_pixels = options.width * options.tile_height.max(1);
-    let tiles = options.height.div_ceil(options.tile_height.max(1));
-    let (done, rays) = (AtomicUsize::new(0), AtomicU64::new(0));
-    let started = Instant::now();
-    let render_tile = |number: u32| {
-        if cancel.load(Ordering::Relaxed) {
-            return Err(Error::Cancelled);
-        }
-        let mut renderer = renderer();
-        let Some(area) = renderer.area(number * tile_pixels, tile_pixels) else {
-            return Ok(Vec::new());
-        };
-        let mut strip = vec![Radiance::BLACK; tile_pixels as usize];
-        let pixels = renderer.tile(area, &mut strip).pixels.len();
-        strip.truncate(pixels);
-        let rays = rays.fetch_add(u64::from(renderer.rays()), Ordering::Relaxed) + u64::from(renderer.rays());
-        progress.advance(done.fetch_add(1, Ordering::Relaxed) + 1, tiles as usize, rays);
-        if progress.wants_rows() {
-            let tile = Tile { area, pixels: &strip };
-            let shown = show::tiles(options.width, [tile], options.display, options.look);
-            progress.rows(area.top_left.y as usize, &shown);
-        }
-        Ok(strip)
+    let job = Job {
+        core: &core,
+        scene: &scene,
+        sampler: sampler(options),
+        options,
+        progress,
+        cancel,
+        done: AtomicUsize::new(0),
+        rays: AtomicU64::new(0),
     };
-    let strips: Vec<Vec<Radiance>> = pool(options.threads)?.install(|| {
-        (0..tiles)
-            .into_par_iter()
-            .map(render_tile)
-            .collect::<Result<_, _>>()
-    })?;
+    let path = integrator(desc, options);
+    let started = Instant::now();
+    let pixels = match options.integrator {
+        IntegratorKind::Direct | IntegratorKind::Path => job.in_tiles(path),
+        IntegratorKind::Ao => job.in_tiles(AmbientOcclusion {
+            radius: ao_radius(desc, &core),
+        }),
+        IntegratorKind::Bdpt if options.tiles => job.in_tiles(Bdpt::<BOARD_VERTICES> {
+            max_depth: path.max_depth,
+            rr_depth: path.rr_depth,
+            hide_emitters: path.hide_emitters,
+        }),
+        IntegratorKind::Bdpt => job.in_a_frame(Bdpt::<HOST_VERTICES> {
+            max_depth: path.max_depth,
+            rr_depth: path.rr_depth,
+            hide_emitters: path.hide_emitters,
+        }),
+        IntegratorKind::Light if options.tiles => Err(Error::Scene(
+            "light arrives anywhere in the picture: it needs a whole frame, so leave out --tiles".into(),
+        )),
+        IntegratorKind::Light => job.in_a_frame(LightTracer {
+            max_depth: path.max_depth,
+            rr_depth: path.rr_depth,
+            hide_emitters: path.hide_emitters,
+        }),
+    }?;
     let stats = Stats {
-        rays: rays.into_inner(),
+        rays: job.rays.into_inner(),
         seconds: started.elapsed().as_secs_f64(),
     };
-    let pixels = strips.concat();
     let rgb = pixels
         .iter()
         .map(|p| dequantise::radiance(*p).map(|c| c as f32))
         .collect();
     let aov = if options.aov {
-        Some(layers(&core, &renderer(), options))
+        let renderer = Renderer::new(
+            &scene,
+            core.camera,
+            path,
+            Independent::<PcgRxsMXs32>::new(0),
+            settings(options),
+        );
+        Some(layers(&core, &renderer, options))
     } else {
         None
     };
@@ -241,6 +249,90 @@ pub fn render_fixed(
     Ok((picture, stats))
 }
 
+/// A picture being made of the core's scene, whichever integrator makes it.
+struct Job<'a> {
+    core: &'a CoreScene,
+    scene: &'a Scene<'a>,
+    sampler: AnySampler,
+    options: &'a Options,
+    progress: &'a dyn Progress,
+    cancel: &'a AtomicBool,
+    /// Tiles, and what was asked of the scene for them.
+    done: AtomicUsize,
+    rays: AtomicU64,
+}
+
+impl<'a> Job<'a> {
+    /// Each tile by itself, as on a board.
+    fn in_tiles<I: Integrator + Copy + Sync>(&self, integrator: I) -> Result<Vec<Radiance>, Error> {
+        let strips = self.tiles(integrator, |renderer, area| {
+            let mut strip = vec![Radiance::BLACK; (area.size.width * area.size.height) as usize];
+            renderer.tile(area, &mut strip);
+            strip
+        })?;
+        Ok(strips.concat())
+    }
+
+    /// Into a whole frame, where light may arrive in any pixel.
+    fn in_a_frame<I: Integrator + Copy + Sync>(&self, integrator: I) -> Result<Vec<Radiance>, Error> {
+        let (width, height) = (self.options.width, self.options.height);
+        let frame = SharedExposure::new(width as u16, height as u16);
+        self.tiles(integrator, |renderer, area| {
+            let mut splats = &frame;
+            for place in area.points() {
+                renderer.expose(place.x as u16, place.y as u16, &mut splats);
+            }
+            // So far: what else arrives there is yet to come.
+            let from = area.top_left.y as usize * width as usize;
+            frame.means(
+                from,
+                (area.size.width * area.size.height) as usize,
+                self.options.spp,
+            )
+        })?;
+        Ok(frame.means(0, (width * height) as usize, self.options.spp))
+    }
+
+    /// What `render` makes of each tile, on all threads, from top to bottom.
+    fn tiles<I: Integrator + Copy + Sync>(
+        &self,
+        integrator: I,
+        render: impl Fn(&mut Renderer<'a, AnySampler, I>, Rectangle) -> Vec<Radiance> + Sync,
+    ) -> Result<Vec<Vec<Radiance>>, Error> {
+        let options = self.options;
+        let rows = options.tile_height.max(1);
+        let (tile_pixels, tiles) = (options.width * rows, options.height.div_ceil(rows));
+        let render_tile = |number: u32| {
+            if self.cancel.load(Ordering::Relaxed) {
+                return Err(Error::Cancelled);
+            }
+            let sampler = self.sampler.clone();
+            let mut renderer = Renderer::new(
+                self.scene,
+                self.core.camera,
+                integrator,
+                sampler,
+                settings(options),
+            );
+            let Some(area) = renderer.area(number * tile_pixels, tile_pixels) else {
+                return Ok(Vec::new());
+            };
+            let strip = render(&mut renderer, area);
+            let more = u64::from(renderer.rays());
+            let rays = self.rays.fetch_add(more, Ordering::Relaxed) + more;
+            let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+            self.progress.advance(done, tiles as usize, rays);
+            if self.progress.wants_rows() {
+                let tile = Tile { area, pixels: &strip };
+                let shown = show::tiles(options.width, [tile], options.display, options.look);
+                self.progress.rows(area.top_left.y as usize, &shown);
+            }
+            Ok(strip)
+        };
+        pool(options.threads)?.install(|| (0..tiles).into_par_iter().map(render_tile).collect())
+    }
+}
+
 /// The picture as the independent f64 renderer sees it; without `aov` and `display`.
 ///
 /// It renders the scene as the core's integers say it.
@@ -250,11 +342,6 @@ pub fn render_reference(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
-    if options.integrator == IntegratorKind::Ao {
-        return Err(Error::Scene(
-            "the reference has no integrator ao yet; take path or direct".into(),
-        ));
-    }
     let scene = dequantise::scene(&CoreScene::new(desc)?)?;
     let path = integrator(desc, options);
     let settings = reference::Settings {
@@ -265,7 +352,12 @@ pub fn render_reference(
         rr_depth: u32::from(path.rr_depth),
         hide_emitters: path.hide_emitters,
         seed: u64::from(options.seed),
-        ..reference::Settings::default()
+        estimator: match options.integrator {
+            IntegratorKind::Ao => reference::Estimator::AmbientOcclusion {
+                radius: desc.integrator.ao_radius.unwrap_or(f64::INFINITY),
+            },
+            _ => reference::Estimator::Guided,
+        },
     };
     let rows = options.height as usize;
     let started = Instant::now();
@@ -343,7 +435,10 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         bytes_geometry: size_of_val(parts.shapes) + meshes.iter().map(mesh_bytes).sum::<usize>(),
         bytes_bvh: nodes * size_of::<Node>(),
         bytes_normals: 0,
-        bytes_rest: size_of_val(parts.materials) + size_of_val(parts.lights) + size_of_val(&scene),
+        bytes_rest: size_of_val(parts.materials)
+            + size_of_val(parts.lights)
+            + core.map_bytes()
+            + size_of_val(&scene),
         ram: vec![
             (
                 "tile",
@@ -364,6 +459,19 @@ fn settings(options: &Options) -> Settings {
 
 /// Segments that no path reaches: roulette ends it long before.
 const UNLIMITED: u16 = u16::MAX;
+
+/// Camera vertices that [`Bdpt`] keeps on a board, and here: paths of two more segments are found by every strategy.
+const BOARD_VERTICES: usize = 8;
+const HOST_VERTICES: usize = 62;
+
+/// How far ambient occlusion looks, units.
+fn ao_radius(desc: &SceneDesc, core: &CoreScene) -> i32 {
+    let all = f64::from(AmbientOcclusion::FULL);
+    match desc.integrator.ao_radius {
+        Some(metres) => (metres * f64::from(core.unit.fraction_bits()).exp2()).clamp(1.0, all) as i32,
+        None => AmbientOcclusion::FULL,
+    }
+}
 
 fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     let max_depth = match options.integrator {

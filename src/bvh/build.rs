@@ -272,7 +272,16 @@ fn cut(p: &impl Primitives, part: &mut Part, middle: u32) -> Part {
 
 /// Order the parts as the array has them, leaves before the others, moving primitives as needed.
 fn leaves_first<P: Primitives>(p: &mut P, parts: &mut Vec<Part, 4>) {
-    parts.sort_unstable_by_key(|part| part.first);
+    // Four at most: `core`'s sort would bring a recursion, and 1 KiB of stack for each of its levels.
+    for _ in 1..parts.len() {
+        for i in 1..parts.len() {
+            if let Some([a, b]) = parts.get_mut(i - 1..=i)
+                && b.first < a.first
+            {
+                core::mem::swap(a, b);
+            }
+        }
+    }
     for _ in 1..parts.len() {
         for i in 1..parts.len() {
             if let Some([a, b]) = parts.get_mut(i - 1..=i)

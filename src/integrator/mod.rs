@@ -4,6 +4,7 @@ mod ambient_occlusion;
 mod bdpt;
 mod features;
 mod integrate;
+mod light_tracer;
 mod mis;
 mod path;
 
@@ -11,5 +12,6 @@ pub use ambient_occlusion::AmbientOcclusion;
 pub use bdpt::{Bdpt, Strategy, Tally};
 pub use features::{Features, features};
 pub use integrate::{Integrator, NoSplats, SplatSink, View};
+pub use light_tracer::LightTracer;
 pub use mis::power_heuristic;
 pub use path::Path;

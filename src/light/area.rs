@@ -78,7 +78,9 @@ fn flat_place(emitter: Emitter, u: [Uniform; 2]) -> Option<FlatPlace> {
                 .along(t, mul_q16(half[1], signed(u[1])));
             (target, normal, LIFT, rectangle.area())
         }
-        Emitter::Shape(Geometry::Sphere(_) | Geometry::Plane(_) | Geometry::Mesh(_)) => return None,
+        Emitter::Shape(
+            Geometry::Sphere(_) | Geometry::Plane(_) | Geometry::Mesh(_) | Geometry::Implicit(_),
+        ) => return None,
         Emitter::Triangle {
             corners: [a, b, c],
             normal,
@@ -128,7 +130,7 @@ pub fn surface_area(emitter: Emitter) -> Wide {
         Emitter::Shape(Geometry::Sphere(sphere)) => sphere.radius_squared() * Wide::PI.shl(2),
         Emitter::Shape(Geometry::Disk(disk)) => disk.area(),
         Emitter::Shape(Geometry::Rectangle(rectangle)) => rectangle.area(),
-        Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_)) => Wide::ZERO,
+        Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_) | Geometry::Implicit(_)) => Wide::ZERO,
         Emitter::Triangle { area, chance, .. } => area / chance,
     }
 }
@@ -145,7 +147,9 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
         }
         Emitter::Shape(Geometry::Disk(disk)) => (disk.normal, disk.area()),
         Emitter::Shape(Geometry::Rectangle(rectangle)) => (rectangle.normal, rectangle.area()),
-        Emitter::Shape(Geometry::Plane(Plane { .. }) | Geometry::Mesh(_)) => return Wide::ZERO,
+        Emitter::Shape(Geometry::Plane(Plane { .. }) | Geometry::Mesh(_) | Geometry::Implicit(_)) => {
+            return Wide::ZERO;
+        }
         Emitter::Triangle {
             normal, area, chance, ..
         } => (normal, area / chance),

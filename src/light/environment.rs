@@ -18,7 +18,7 @@ pub enum Environment<'a> {
     /// A gradient, with or without a sun.
     Sky(&'a Sky),
     /// A picture.
-    Map(&'a Map<'a>),
+    Map(Map<'a>),
 }
 
 /// A direction towards the environment.

@@ -15,6 +15,12 @@ pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> O
     Some((Radiance::from_albedo(albedo, pdf), pdf))
 }
 
+/// The density of [`eval`].
+#[inline]
+pub(super) fn pdf(two_sided: bool, local: &Local, wi: Dir) -> Wide {
+    facing(two_sided, local).map_or(Wide::ZERO, |normal| warp::pdf_cosine_hemisphere(wi.dot(normal)))
+}
+
 /// Cosine-distributed about the normal: the weight is the reflectance.
 #[inline]
 pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform; 2]) -> Option<BsdfSample> {

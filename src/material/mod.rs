@@ -187,6 +187,15 @@ impl Material {
         }
     }
 
+    /// The density alone with which [`Self::sample`] would draw `wi`; 0 where no light is scattered.
+    #[inline]
+    pub fn pdf(&self, local: &Local, wi: Dir) -> Wide {
+        match self {
+            Material::Lambert { two_sided, .. } => lambert::pdf(*two_sided, local, wi),
+            _ => self.eval(local, wi).map_or(Wide::ZERO, |(_, pdf)| pdf),
+        }
+    }
+
     /// The squared ratio of refractive indices crossed between two directions, the one's of `wi` over that of `wo`; 1 on
     /// one side.
     ///
@@ -195,14 +204,23 @@ impl Material {
     #[inline]
     pub fn eta_squared(&self, local: &Local, wi: Dir) -> Wide {
         let side = |w: Dir| w.dot_q24(local.normal) >= 0;
-        match self {
-            Material::Dielectric(dielectric) if side(local.wo) != side(wi) => {
-                let eta = Wide::from_q16(dielectric.eta().to_bits());
-                let squared = eta * eta;
-                if side(wi) { squared.recip() } else { squared }
-            }
-            _ => Wide::ONE,
+        let eta = match self {
+            Material::Dielectric(glass) => glass.eta(),
+            Material::RoughDielectric(glass) => glass.eta(),
+            _ => return Wide::ONE,
+        };
+        if side(local.wo) == side(wi) {
+            return Wide::ONE;
         }
+        let eta = Wide::from_q16(eta.to_bits());
+        let squared = eta * eta;
+        if side(wi) { squared.recip() } else { squared }
+    }
+
+    /// Whether light is reflected as well one way as the other, but for [`Self::eta_squared`].
+    #[inline]
+    pub fn is_reciprocal(&self) -> bool {
+        !matches!(self, Material::BlinnPhong(phong) if !phong.is_normalized())
     }
 
     /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.

@@ -5,7 +5,7 @@ use crate::bvh::{BuildError, Item, Node, SCENE_PAD, build_items};
 use crate::geom::{Point, REACH};
 use crate::light::Light;
 use crate::num::{ONE_Q16, mul_q16};
-use crate::shape::{Bounds, Disk, Geometry, Grid, Rectangle, Sphere};
+use crate::shape::{Blob, Bounds, Disk, Geometry, Grid, Rectangle, Sphere};
 
 /// A shape's box and number, while the tree is built.
 #[derive(Clone, Copy, Debug)]
@@ -44,6 +44,7 @@ pub struct Arrangement {
 pub fn arrange(
     shapes: &mut [Shape],
     meshes: &[Mesh],
+    blobs: &[Blob],
     lights: &mut [Light],
     boxes: &mut [Boxed],
     nodes: &mut [Node],
@@ -67,10 +68,10 @@ pub fn arrange(
     }
     let (finite, infinite) = boxes.split_at_mut(bounded);
     infinite.reverse();
-    let grid = scene_grid(shapes, meshes);
+    let grid = scene_grid(shapes, meshes, blobs);
     for place in finite.iter_mut() {
         place.bounds = match shapes.get(place.shape as usize) {
-            Some(shape) => shape_bounds(shape, meshes, &grid),
+            Some(shape) => shape_bounds(shape, meshes, blobs, &grid),
             None => Bounds::EMPTY,
         };
     }
@@ -102,10 +103,13 @@ fn reorder(shapes: &mut [Shape], boxes: &mut [Boxed]) {
 }
 
 /// The finest grid around all finite shapes with the margin that the tree's boxes grow by, and as coarse as the meshes'.
-fn scene_grid(shapes: &[Shape], meshes: &[Mesh]) -> Grid {
+fn scene_grid(shapes: &[Shape], meshes: &[Mesh], blobs: &[Blob]) -> Grid {
     let mut low = [i32::MAX; 3];
     let mut high = [i32::MIN; 3];
-    for (a, b) in shapes.iter().filter_map(|shape| reach(&shape.geometry, meshes)) {
+    for (a, b) in shapes
+        .iter()
+        .filter_map(|shape| reach(&shape.geometry, meshes, blobs))
+    {
         for i in 0..3 {
             low[i] = low[i].min(a.0[i]);
             high[i] = high[i].max(b.0[i]);
@@ -133,8 +137,8 @@ pub(super) fn coarsest(shapes: &[Shape], meshes: &[Mesh]) -> Option<(u32, u16)> 
 }
 
 /// A finite shape's box in the scene's grid; nothing for a plane.
-pub(super) fn shape_bounds(shape: &Shape, meshes: &[Mesh], grid: &Grid) -> Bounds {
-    reach(&shape.geometry, meshes).map_or(Bounds::EMPTY, |(low, high)| grid.enclose(low, high))
+pub(super) fn shape_bounds(shape: &Shape, meshes: &[Mesh], blobs: &[Blob], grid: &Grid) -> Bounds {
+    reach(&shape.geometry, meshes, blobs).map_or(Bounds::EMPTY, |(low, high)| grid.enclose(low, high))
 }
 
 /// How far a rectangle's corners lie from its centre along each axis, units; for wrong sizes or directions no more than
@@ -147,7 +151,7 @@ pub(super) fn rectangle_reach(rectangle: &Rectangle) -> [i32; 3] {
 }
 
 /// The corners of a finite shape's box, units.
-pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh]) -> Option<(Point, Point)> {
+pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh], blobs: &[Blob]) -> Option<(Point, Point)> {
     let around = |Point(c): Point, r: [i32; 3]| {
         let low = Point([0, 1, 2].map(|i| c[i].saturating_sub(r[i])));
         (low, Point([0, 1, 2].map(|i| c[i].saturating_add(r[i]))))
@@ -157,6 +161,7 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh]) -> Option<(Point, Poin
         Geometry::Plane(_) => None,
         Geometry::Disk(Disk { center, radius, .. }) => Some(around(center, [radius; 3])),
         Geometry::Rectangle(rectangle) => Some(around(rectangle.center, rectangle_reach(&rectangle))),
+        Geometry::Implicit(solid) => Some(solid.bounds(blobs)),
         Geometry::Mesh(index) => {
             let mesh = meshes.get(index as usize)?;
             let bounds = mesh.triangles.bounds();

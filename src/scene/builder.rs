@@ -5,7 +5,7 @@ use crate::color::Radiance;
 use crate::geom::Unit;
 use crate::light::{Environment, Light};
 use crate::material::Material;
-use crate::shape::Geometry;
+use crate::shape::{Blob, Geometry};
 use heapless::Vec;
 
 /// Names a material of a [`SceneBuilder`].
@@ -17,6 +17,8 @@ pub struct MaterialId(u16);
 pub struct Borrowed<'a> {
     /// Shapes name them as [`Geometry::Mesh`].
     pub meshes: &'a [Mesh<'a>],
+    /// What metaballs and smooth unions are made of.
+    pub blobs: &'a [Blob],
     /// A sky or a map; a constant environment is a [`Light`].
     pub environment: Environment<'a>,
 }
@@ -148,15 +150,26 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         borrowed: Borrowed<'a>,
         nodes: &'a mut [Node],
     ) -> Result<Scene<'a>, SceneError> {
-        let Borrowed { meshes, environment } = borrowed;
+        let Borrowed {
+            meshes,
+            blobs,
+            environment,
+        } = borrowed;
         if let Some(environment) = self.environment.take() {
             self.lights
                 .push(environment)
                 .map_err(|_| Self::NO_ROOM_FOR_LIGHTS)?;
         }
         let mut boxes = [Boxed::EMPTY; SHAPES];
-        let found = arrange(&mut self.shapes, meshes, &mut self.lights, &mut boxes, nodes)
-            .map_err(|error| SceneError::Nodes { needed: error.needed })?;
+        let found = arrange(
+            &mut self.shapes,
+            meshes,
+            blobs,
+            &mut self.lights,
+            &mut boxes,
+            nodes,
+        )
+        .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         Scene::new(Parts {
             unit: self.unit,
             shapes: &self.shapes,
@@ -166,6 +179,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             environment,
             choice: &[],
             meshes,
+            blobs,
             grid: found.grid,
             nodes: nodes.get(..found.nodes).unwrap_or(&[]),
         })

@@ -5,7 +5,7 @@ use crate::geom::{Dir, Point, REACH};
 use crate::light::{Environment, Light};
 use crate::material::MaterialError;
 use crate::num::ONE_Q16;
-use crate::shape::{Geometry, Grid};
+use crate::shape::{Blob, Geometry, Grid, ImplicitError};
 
 /// Why a scene can't be rendered. Shapes are named by the user's number, materials and lights by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +20,10 @@ pub enum SceneError {
     TooFar { shape: u16 },
     /// The shape has no extent: a radius or side under one unit, or directions that are not unit vectors.
     Degenerate { shape: u16 },
+    /// The shape has parts finer than 1/256 of it, or than 64 units: split it, or take a finer unit.
+    Thin { shape: u16 },
+    /// The shape is made of blobs that do not exist, of none, of more than 16, or, as metaballs, of other than balls.
+    Blobs { shape: u16 },
     /// An infinite plane can't be a light.
     PlaneLight { shape: u16 },
     /// Something of the material is out of range.
@@ -68,6 +72,16 @@ impl core::fmt::Display for SceneError {
                 write!(f, "shape {shape}: reaches beyond 2^22 units; take a coarser unit")
             }
             Self::Degenerate { shape } => write!(f, "shape {shape}: has no extent"),
+            Self::Thin { shape } => write!(
+                f,
+                "shape {shape}: a part is finer than 1/256 of it, or than 64 units; make it thicker, or several shapes of it"
+            ),
+            Self::Blobs { shape } => {
+                write!(
+                    f,
+                    "shape {shape}: wants 1 to 16 of the scene's blobs, metaballs only balls"
+                )
+            }
             Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
             Self::Material { material, error } => write!(f, "material {material}: {error}"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
@@ -107,6 +121,8 @@ impl SceneError {
             | Self::NoSuchLight { shape, .. }
             | Self::TooFar { shape }
             | Self::Degenerate { shape }
+            | Self::Thin { shape }
+            | Self::Blobs { shape }
             | Self::NoSuchMesh { shape, .. }
             | Self::Order { shape }
             | Self::PlaneLight { shape } => Some(shape),
@@ -125,7 +141,7 @@ impl<'a> Scene<'a> {
             })?;
         }
         for (index, shape) in parts.shapes.iter().enumerate() {
-            check_geometry(&shape.geometry, shape.id)?;
+            check_geometry(&shape.geometry, shape.id, parts.blobs)?;
             if matches!(shape.geometry, Geometry::Plane(_)) != (index >= parts.bounded as usize) {
                 return Err(SceneError::Order { shape: shape.id });
             }
@@ -138,7 +154,7 @@ impl<'a> Scene<'a> {
                 });
             }
             if let (Geometry::Mesh(_), Some((low, high))) =
-                (shape.geometry, reach(&shape.geometry, parts.meshes))
+                (shape.geometry, reach(&shape.geometry, parts.meshes, parts.blobs))
                 && (is_far(low) || is_far(high))
             {
                 return Err(SceneError::TooFar { shape: shape.id });
@@ -184,9 +200,9 @@ impl<'a> Scene<'a> {
             })?;
         let bounds = |i: u32| {
             let shape = finite.get(i as usize)?;
-            let inside =
-                reach(&shape.geometry, parts.meshes).is_none_or(|(low, high)| holds(&parts.grid, low, high));
-            inside.then(|| shape_bounds(shape, parts.meshes, &parts.grid).pad(SCENE_PAD))
+            let inside = reach(&shape.geometry, parts.meshes, parts.blobs)
+                .is_none_or(|(low, high)| holds(&parts.grid, low, high));
+            inside.then(|| shape_bounds(shape, parts.meshes, parts.blobs, &parts.grid).pad(SCENE_PAD))
         };
         let depth = mesh_depth + check_tree(finite.len(), bounds, parts.nodes).map_err(SceneError::Tree)?;
         let mut light_count = 0;
@@ -276,7 +292,7 @@ fn holds(grid: &Grid, low: Point, high: Point) -> bool {
     (0..3).all(|i| first.0[i] <= low.0[i].max(-REACH) && high.0[i].min(REACH) <= last.0[i])
 }
 
-fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
+fn check_geometry(geometry: &Geometry, shape: u16, blobs: &[Blob]) -> Result<(), SceneError> {
     let far = |p: Point, reach: [i32; 3]| {
         p.0.iter()
             .zip(reach)
@@ -297,6 +313,18 @@ fn check_geometry(geometry: &Geometry, shape: u16) -> Result<(), SceneError> {
                 !far(r.center, rectangle_reach(&r)),
                 size(a) && size(b) && unit && square(),
             )
+        }
+        Geometry::Implicit(solid) => {
+            solid.check(blobs).map_err(|error| match error {
+                ImplicitError::Degenerate => SceneError::Degenerate { shape },
+                ImplicitError::Thin => SceneError::Thin { shape },
+                ImplicitError::Blobs => SceneError::Blobs { shape },
+            })?;
+            let (low, high) = solid.bounds(blobs);
+            let square = solid
+                .axes()
+                .is_none_or(|[x, y]| is_unit(x) && is_unit(y) && x.dot(y).abs() <= 16);
+            (!is_far(low) && !is_far(high), square)
         }
         // Asked with its vertices.
         Geometry::Mesh(_) => (true, true),

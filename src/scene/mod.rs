@@ -20,7 +20,7 @@ use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
-use crate::shape::{Geometry, Grid, MeshHit, Surface, TriangleMesh};
+use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, TriangleMesh};
 
 pub use arrange::{Arrangement, Boxed, arrange};
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
@@ -63,6 +63,8 @@ pub struct Parts<'a> {
     /// ([`Scene::choose_by_power`] makes them); evenly if there are none.
     pub choice: &'a [u32],
     pub meshes: &'a [Mesh<'a>],
+    /// What metaballs and smooth unions are made of.
+    pub blobs: &'a [Blob],
     /// Around the finite shapes.
     pub grid: Grid,
     /// The tree over the finite shapes.
@@ -189,6 +191,7 @@ impl<'a> Scene<'a> {
         let surface = shape
             .and_then(|shape| match shape.geometry {
                 Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit),
+                Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
             .unwrap_or(Surface {

@@ -64,7 +64,7 @@ impl<'a> Scene<'a> {
             .parts
             .shapes
             .iter()
-            .filter_map(|shape| reach(&shape.geometry, self.parts.meshes));
+            .filter_map(|shape| reach(&shape.geometry, self.parts.meshes, self.parts.blobs));
         let both = |(a, b): (Point, Point), (c, d): (Point, Point)| {
             let pick =
                 |f: fn(i32, i32) -> i32, a: Point, b: Point| Point([0, 1, 2].map(|i| f(a.0[i], b.0[i])));

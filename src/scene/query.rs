@@ -115,7 +115,7 @@ impl Scene<'_> {
             let t_max = nearest.map_or(FAR + 1, |hit| hit.t);
             let found = match self.parts.shapes.get(shape as usize).map(|shape| shape.geometry) {
                 Some(Geometry::Mesh(_)) => self.intersect(shape as usize, ray, &Slopes::new(ray.dir), t_max),
-                Some(form) => form.intersect(ray, t_max).map(|t| Hit {
+                Some(form) => self.form(&form, ray, t_max).map(|t| Hit {
                     t,
                     shape,
                     triangle: 0,
@@ -164,7 +164,7 @@ impl Scene<'_> {
         except: usize,
     ) -> bool {
         for (index, shape) in self.parts.shapes.iter().enumerate().skip(first) {
-            let found = shape.geometry.intersect_next::<K>(ray, sight, distance);
+            let found = self.form_next::<K>(&shape.geometry, ray, sight, distance);
             if found.is_some() && index != except {
                 return true;
             }
@@ -186,7 +186,7 @@ impl Scene<'_> {
         let mut t_max = FAR + 1;
         let mut nearest = None;
         for (index, shape) in self.parts.shapes.iter().enumerate() {
-            if let Some(t) = shape.geometry.intersect_next::<K>(ray, sight, t_max) {
+            if let Some(t) = self.form_next::<K>(&shape.geometry, ray, sight, t_max) {
                 t_max = t;
                 nearest = Some(index as u16);
             }
@@ -197,6 +197,30 @@ impl Scene<'_> {
             triangle: 0,
             barycentric: [0; 2],
         })
+    }
+
+    /// Distance to the first crossing with anything but a mesh.
+    #[inline]
+    fn form(&self, geometry: &Geometry, ray: &Ray, t_max: i32) -> Option<i32> {
+        match geometry {
+            Geometry::Implicit(solid) => solid.intersect(self.parts.blobs, ray, t_max),
+            form => form.intersect(ray, t_max),
+        }
+    }
+
+    /// The same for loops that ask shape after shape; `K` is the ray's dominant axis.
+    #[inline(always)]
+    fn form_next<const K: usize>(
+        &self,
+        geometry: &Geometry,
+        ray: &Ray,
+        sight: &Sight,
+        t_max: i32,
+    ) -> Option<i32> {
+        match geometry {
+            Geometry::Implicit(solid) => solid.intersect(self.parts.blobs, ray, t_max),
+            form => form.intersect_next::<K>(ray, sight, t_max),
+        }
     }
 
     fn bounded(&self) -> usize {
@@ -217,7 +241,7 @@ impl Scene<'_> {
                 barycentric: [hit.b1, hit.b2],
             });
         }
-        let t = shape.geometry.intersect(ray, t_max)?;
+        let t = self.form(&shape.geometry, ray, t_max)?;
         Some(Hit {
             t,
             shape: index as u16,
@@ -333,7 +357,7 @@ impl Visitor for Any<'_> {
                 Geometry::Mesh(mesh) => parts.meshes.get(mesh as usize).is_some_and(|mesh| {
                     bvh::occluded(&mesh.triangles, mesh.nodes, self.ray, self.slopes, self.distance)
                 }),
-                geometry => geometry.intersect(self.ray, self.distance).is_some(),
+                ref geometry => self.scene.form(geometry, self.ray, self.distance).is_some(),
             };
             if self.found {
                 return ControlFlow::Break(());

@@ -1,10 +1,11 @@
-//! What rays hit: closed forms and triangle meshes.
+//! What rays hit: closed forms, triangle meshes, and solids given by a function.
 //!
 //! Each closed form is intersected relative to itself, so that its error is a share of its own size and of the way
 //! there, never of the scene; and it says how far a ray's origin must be lifted off it so that the ray does not meet it
 //! again: bounds from the arithmetic, no epsilon.
 
 mod grid;
+mod implicit;
 mod mesh;
 mod planar;
 pub mod polygon;
@@ -16,6 +17,10 @@ use crate::geom::{Dir, Point, Ray};
 
 pub use grid::{Bounds, Grid, GridRay, Slopes};
 pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
+pub use implicit::{
+    Blob, Bound, Capsule, FINEST, Gyroid, Implicit, ImplicitError, MAX_BLOBS, Metaballs, RoundedBox,
+    SmoothUnion, Torus,
+};
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
@@ -31,6 +36,7 @@ pub enum Geometry {
     Rectangle(Rectangle),
     /// Index into the scene's meshes.
     Mesh(u16),
+    Implicit(Implicit),
 }
 
 impl From<Sphere> for Geometry {
@@ -57,8 +63,15 @@ impl From<Rectangle> for Geometry {
     }
 }
 
+impl From<Implicit> for Geometry {
+    fn from(shape: Implicit) -> Geometry {
+        Geometry::Implicit(shape)
+    }
+}
+
 impl Geometry {
-    /// Distance to the first crossing with 0 < t < `t_max`; a mesh answers `None`, its own tree is asked.
+    /// Distance to the first crossing with 0 < t < `t_max`. A mesh answers `None`, its own tree is asked; so does a solid
+    /// given by a function, which may need the scene's blobs.
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
         match self {
@@ -66,7 +79,7 @@ impl Geometry {
             Geometry::Plane(plane) => plane.intersect(ray, t_max),
             Geometry::Disk(disk) => disk.intersect(ray, t_max),
             Geometry::Rectangle(rectangle) => rectangle.intersect(ray, t_max),
-            Geometry::Mesh(_) => None,
+            Geometry::Mesh(_) | Geometry::Implicit(_) => None,
         }
     }
 
@@ -96,7 +109,7 @@ impl Geometry {
             Geometry::Rectangle(Rectangle { center, normal, .. }) => {
                 (onto_plane(*center, *normal, near), *normal, LIFT)
             }
-            Geometry::Mesh(_) => return None,
+            Geometry::Mesh(_) | Geometry::Implicit(_) => return None,
         };
         Some(Surface { point, normal, lift })
     }

@@ -12,7 +12,10 @@ use microlux::num::{Share, Turn};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
 use microlux::scene::{Scene, SceneError};
-use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere};
+use microlux::shape::{
+    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle, RoundedBox,
+    SmoothUnion, Sphere, Torus,
+};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -57,8 +60,9 @@ fn dir(random: &mut Random) -> Dir {
     }
 }
 
-fn geometry(random: &mut Random) -> Geometry {
-    match random.below(5) {
+fn geometry(random: &mut Random, blobs: &[Blob]) -> Geometry {
+    match random.below(7) {
+        5 | 6 => implicit(random, blobs).into(),
         0 => Sphere::new(point(random), number(random)).into(),
         1 => Disk::new(point(random), dir(random), number(random)).into(),
         2 => Plane::new(point(random), dir(random)).into(),
@@ -71,6 +75,49 @@ fn geometry(random: &mut Random) -> Geometry {
         }
         .into(),
         _ => Geometry::Mesh(random.below(4) as u16),
+    }
+}
+
+fn blob(random: &mut Random) -> Blob {
+    Blob {
+        a: point(random),
+        b: point(random),
+        radius: number(random),
+    }
+}
+
+fn implicit(random: &mut Random, blobs: &[Blob]) -> Implicit {
+    let center = point(random);
+    let (x, y) = (dir(random), dir(random));
+    let half = [0; 3].map(|_| number(random));
+    let (first, count) = (random.below(9) as u16, random.pick(&[0, 1, 2, 3, 17, u16::MAX]));
+    let threshold = random.bits() >> random.below(32);
+    match random.below(6) {
+        0 => Implicit::Torus(Torus {
+            center,
+            axis: x,
+            side: y,
+            major: number(random),
+            minor: number(random),
+        }),
+        1 => Implicit::Capsule(Capsule::new(center, point(random), number(random))),
+        2 => Implicit::RoundedBox(RoundedBox {
+            center,
+            x,
+            y,
+            half,
+            radius: number(random),
+        }),
+        3 => Implicit::Gyroid(Gyroid {
+            center,
+            x,
+            y,
+            cell: number(random),
+            thickness: number(random),
+            bound: random.pick(&[Bound::ball(half[0]), Bound::block(half)]),
+        }),
+        4 => Implicit::Metaballs(Metaballs::new(blobs, first, count, threshold)),
+        _ => Implicit::SmoothUnion(SmoothUnion::new(blobs, first, count, number(random))),
     }
 }
 
@@ -97,8 +144,15 @@ fn light(random: &mut Random) -> Light {
 /// One thing or another that is wrong, or only unusual.
 fn harm(draft: &mut Draft, random: &mut Random) {
     let shape = random.below(draft.shapes.len());
-    match random.below(14) {
-        0..=2 => draft.shapes[shape].geometry = geometry(random),
+    match random.below(15) {
+        14 => {
+            let place = random.below(draft.blobs.len());
+            draft.blobs[place] = blob(random);
+        }
+        0..=2 => {
+            let geometry = geometry(random, &draft.blobs);
+            draft.shapes[shape].geometry = geometry;
+        }
         3 => draft.shapes[shape].material = random.bits() as u16,
         4 => draft.shapes[shape].light = Some(random.below(6) as u16),
         5 => draft.lights.push(light(random)),
@@ -282,7 +336,7 @@ fn refused_or_rendered() {
             let mut parts = draft.parts(&meshes);
             match random.below(6) {
                 0 => parts.environment = Environment::Sky(&sky),
-                1 => parts.environment = map.as_ref().map_or(Environment::None, Environment::Map),
+                1 => parts.environment = map.map_or(Environment::None, Environment::Map),
                 _ => (),
             }
             if random.one_in(20) {

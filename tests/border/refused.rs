@@ -10,8 +10,11 @@ use microlux::material::{
 };
 use microlux::num::{Metres, Turn};
 use microlux::q;
-use microlux::scene::{MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
-use microlux::shape::{Disk, Geometry, Grid, MeshError, Plane, Rectangle, Sphere, TriangleMesh};
+use microlux::scene::{Borrowed, MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
+use microlux::shape::{
+    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, MAX_BLOBS, MeshError, Metaballs, Plane,
+    Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
+};
 
 type Builder = SceneBuilder<8, 4, 4>;
 
@@ -91,6 +94,151 @@ fn too_few_nodes() {
     assert_eq!(error, SceneError::Nodes { needed: 2 });
     assert_eq!(error.to_string(), "too few nodes: 2 are enough");
     assert!(b.build(&mut [Node::EMPTY; 2]).is_ok());
+}
+
+/// What the border says of a second shape, a solid of these blobs.
+fn with_solid(solid: Implicit, blobs: &[Blob]) -> Result<(), SceneError> {
+    let (mut b, white) = builder();
+    b.shape(solid, white).unwrap();
+    let borrowed = Borrowed {
+        blobs,
+        ..Borrowed::default()
+    };
+    b.build_from(borrowed, &mut [Node::EMPTY; 4]).map(|_| ())
+}
+
+#[test]
+fn solids_whose_sizes_do_not_go_together() {
+    let degenerate = Err(SceneError::Degenerate { shape: 1 });
+    let torus = |axis, major, minor| with_solid(Implicit::Torus(Torus::new(CENTER, axis, major, minor)), &[]);
+    assert_eq!(torus(Dir::Y, 2000, 1000), Ok(()));
+    for (major, minor) in [
+        (1000, 1000),
+        (1000, 2000),
+        (1000, 0),
+        (0, -1),
+        (i32::MIN, i32::MAX),
+    ] {
+        assert_eq!(torus(Dir::Y, major, minor), degenerate, "{major} {minor}");
+    }
+    assert_eq!(torus(Dir([0; 3]), 2000, 1000), degenerate);
+    let leaning = Torus {
+        side: Dir::Y,
+        ..Torus::new(CENTER, Dir::Y, 2000, 1000)
+    };
+    assert_eq!(with_solid(Implicit::Torus(leaning), &[]), degenerate);
+
+    let capsule = |b, radius| with_solid(Implicit::Capsule(Capsule::new(CENTER, Point(b), radius)), &[]);
+    assert_eq!(capsule([0, 1000, 0], 100), Ok(()));
+    assert_eq!(capsule([0; 3], 100), degenerate);
+    assert_eq!(capsule([0, 1000, 0], 0), degenerate);
+
+    let block = |half, radius| {
+        let block = RoundedBox::new(CENTER, Dir::X, Dir::Y, half, radius).unwrap();
+        with_solid(Implicit::RoundedBox(block), &[])
+    };
+    assert_eq!(block([500, 900, 700], 500), Ok(()));
+    assert_eq!(block([500, 900, 700], 501), degenerate);
+    assert_eq!(block([500, 900, 700], 0), degenerate);
+    assert_eq!(block([500, -900, 700], 100), degenerate);
+    assert_eq!(RoundedBox::new(CENTER, Dir::X, Dir::X, [9; 3], 1), None);
+
+    let gyroid = |cell, thickness, bound| {
+        let gyroid = Gyroid::new(CENTER, [Dir::X, Dir::Y], cell, thickness, bound).unwrap();
+        with_solid(Implicit::Gyroid(gyroid), &[])
+    };
+    assert_eq!(gyroid(1000, 300, Bound::ball(1000)), Ok(()));
+    assert_eq!(gyroid(1000, 301, Bound::ball(1000)), degenerate);
+    assert_eq!(gyroid(4000, 300, Bound::ball(1000)), Ok(()));
+    assert_eq!(gyroid(4004, 300, Bound::ball(1000)), degenerate);
+    assert_eq!(gyroid(1000, 300, Bound::block([900, 800, 0])), degenerate);
+    assert_eq!(gyroid(1000, 300, Bound::ball(0)), degenerate);
+
+    let balls = [Blob::ball(CENTER, 900), Blob::ball(Point([500, 0, 0]), 900)];
+    let metaballs = |threshold| {
+        with_solid(
+            Implicit::Metaballs(Metaballs::new(&balls, 0, 2, threshold)),
+            &balls,
+        )
+    };
+    assert_eq!(metaballs(1 << 26), Ok(()));
+    assert_eq!(metaballs(0), degenerate);
+    assert_eq!(metaballs(1 << 27), degenerate);
+    let union = |k| with_solid(Implicit::SmoothUnion(SmoothUnion::new(&balls, 0, 2, k)), &balls);
+    assert_eq!(union(100), Ok(()));
+    assert_eq!(union(0), degenerate);
+    // Made of other blobs than the scene's, its ball may not hold it.
+    let larger = [Blob::ball(CENTER, 900), Blob::ball(Point([500, 0, 0]), 901)];
+    let solid = Implicit::Metaballs(Metaballs::new(&balls, 0, 2, 1 << 26));
+    assert_eq!(with_solid(solid, &larger), degenerate);
+}
+
+#[test]
+fn solids_too_fine() {
+    let thin = Err(SceneError::Thin { shape: 1 });
+    let torus = |major, minor| with_solid(Implicit::Torus(Torus::new(CENTER, Dir::Y, major, minor)), &[]);
+    assert_eq!(torus(25_500, 100), Ok(()));
+    assert_eq!(torus(25_900, 100), thin);
+    assert_eq!(torus(25_200, 25_000), Ok(()));
+    assert_eq!(torus(26_090, 26_000), thin);
+    assert_eq!(torus(1000, 63), thin);
+    let capsule = |length, radius| {
+        with_solid(
+            Implicit::Capsule(Capsule::new(CENTER, Point([0, 0, length]), radius)),
+            &[],
+        )
+    };
+    assert_eq!(capsule(50_000, 100), Ok(()));
+    assert_eq!(capsule(52_000, 100), thin);
+    let block = RoundedBox::new(CENTER, Dir::X, Dir::Y, [63, 500, 500], 9).unwrap();
+    assert_eq!(with_solid(Implicit::RoundedBox(block), &[]), thin);
+    let gyroid = Gyroid::new(CENTER, [Dir::X, Dir::Y], 300, 63, Bound::ball(1000)).unwrap();
+    assert_eq!(with_solid(Implicit::Gyroid(gyroid), &[]), thin);
+    // Alone, this ball shows as one of 900 √(1 − ∛(1 − 2^-10)) = 16 units.
+    let balls = [Blob::ball(CENTER, 900)];
+    let metaballs = Metaballs::new(&balls, 0, 1, (1 << 27) - (1 << 17));
+    assert_eq!(with_solid(Implicit::Metaballs(metaballs), &balls), thin);
+    let union = SmoothUnion::new(&balls, 0, 1, 63);
+    assert_eq!(with_solid(Implicit::SmoothUnion(union), &balls), thin);
+    assert_eq!(
+        SceneError::Thin { shape: 1 }.to_string(),
+        "shape 1: a part is finer than 1/256 of it, or than 64 units; make it thicker, or several shapes of it"
+    );
+}
+
+#[test]
+fn solids_of_blobs_that_are_not_there() {
+    let wrong = Err(SceneError::Blobs { shape: 1 });
+    let mut blobs = vec![Blob::ball(CENTER, 900); MAX_BLOBS + 1];
+    blobs[2] = Capsule::new(CENTER, Point([0, 0, 1]), 900).into();
+    let metaballs = |first, count| {
+        let solid = Metaballs::new(&blobs, first, count, 1 << 26);
+        with_solid(Implicit::Metaballs(solid), &blobs)
+    };
+    let union = |first, count| {
+        let solid = SmoothUnion::new(&blobs, first, count, 100);
+        with_solid(Implicit::SmoothUnion(solid), &blobs)
+    };
+    assert_eq!((metaballs(0, 2), union(0, 16)), (Ok(()), Ok(())));
+    assert_eq!((metaballs(0, 0), union(0, 0)), (wrong, wrong));
+    assert_eq!((metaballs(16, 2), union(16, 2)), (wrong, wrong));
+    assert_eq!((metaballs(u16::MAX, u16::MAX), union(0, 17)), (wrong, wrong));
+    assert_eq!(metaballs(0, 3), wrong);
+    assert_eq!(
+        SceneError::Blobs { shape: 1 }.to_string(),
+        "shape 1: wants 1 to 16 of the scene's blobs, metaballs only balls"
+    );
+}
+
+#[test]
+fn solids_beyond_reach() {
+    let far = Err(SceneError::TooFar { shape: 1 });
+    let torus = |x| {
+        let torus = Torus::new(Point([x, 0, 0]), Dir::Y, 20_000, 10_000);
+        with_solid(Implicit::Torus(torus), &[])
+    };
+    assert_eq!(torus(REACH - 30_100), Ok(()));
+    assert_eq!(torus(REACH - 30_000), far);
 }
 
 #[test]

@@ -4,14 +4,15 @@ use fixed::types::I12F20;
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
+use microlux::film::Exposure;
 use microlux::geom::{Dir, Point, Unit};
-use microlux::integrator::Path;
+use microlux::integrator::{Bdpt, Integrator, LightTracer, Path};
 use microlux::light::{Environment, Light, Map, Sky};
 use microlux::material::Material;
 use microlux::num::Share;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
-use microlux::scene::{Borrowed, MaterialId, Mesh, SceneBuilder};
+use microlux::scene::{Borrowed, MaterialId, Mesh, Scene, SceneBuilder};
 use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 
 pub type Vec3 = [f64; 3];
@@ -119,6 +120,16 @@ pub enum Kind {
 /// The two that are meant for pictures.
 pub const PATTERNED: [Kind; 2] = [Kind::Stratified, Kind::Sobol];
 pub const ALL: [Kind; 3] = [Kind::Independent, Kind::Stratified, Kind::Sobol];
+
+impl Kind {
+    fn sampler(self, spp: u32) -> AnySampler {
+        match self {
+            Kind::Independent => Independent::new(3).into(),
+            Kind::Stratified => Stratified::new(3, spp).into(),
+            Kind::Sobol => Sobol::new(3).into(),
+        }
+    }
+}
 
 struct OwnedMesh {
     grid: Grid,
@@ -249,7 +260,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The mean radiance of the view, by each integrator and sampler.
-    fn means(&mut self, view: View, paths: &[Path], samplers: &[Kind]) -> Vec<(Path, Kind, Vec3)> {
+    fn means(&mut self, view: View, ways: &[Way], samplers: &[Kind]) -> Vec<(Way, Kind, Vec3)> {
         let meshes: Vec<Mesh> = self
             .meshes
             .iter()
@@ -275,34 +286,27 @@ impl<'a> Stage<'a> {
         let mut nodes = [Node::EMPTY; max_nodes(8)];
         let environment = match (&self.sky, &self.map) {
             (Some(sky), _) => Environment::Sky(sky),
-            (_, Some(map)) => Environment::Map(map),
+            (_, Some(map)) => Environment::Map(*map),
             _ => Environment::None,
         };
         let borrowed = Borrowed {
             meshes: &meshes,
             environment,
+            ..Borrowed::default()
         };
         let scene = self.builder.build_from(borrowed, &mut nodes).unwrap();
         let mut means = Vec::new();
-        for path in paths {
+        for way in ways {
             for kind in samplers {
-                let sampler: AnySampler = match kind {
-                    Kind::Independent => Independent::new(3).into(),
-                    Kind::Stratified => Stratified::new(3, view.spp).into(),
-                    Kind::Sobol => Sobol::new(3).into(),
-                };
-                let mut renderer = Renderer::new(&scene, camera, *path, sampler, settings);
-                let mut strip = vec![Radiance::BLACK; view.side as usize * view.side as usize];
-                let tile = renderer.step(&mut strip).unwrap();
-                let pixels = tile.pixels.iter().map(|pixel| to_f64(*pixel));
-                let sum = pixels.fold([0.0; 3], |sum, pixel| map2(sum, pixel, |a, b| a + b));
-                means.push((*path, *kind, sum.map(|c| c / tile.pixels.len() as f64)));
+                let mean = way.mean(&scene, camera, kind.sampler(view.spp), settings);
+                means.push((*way, *kind, mean));
             }
         }
         means
     }
 
-    /// Asserts that the view's mean radiance is `exact(path)` for each integrator and sampler.
+    /// Asserts that the view's mean radiance is `exact(path)` by path tracing and by bidirectional path tracing, in tiles
+    /// and in a frame, for each sampler.
     pub fn assert(
         &mut self,
         name: &str,
@@ -311,8 +315,34 @@ impl<'a> Stage<'a> {
         samplers: &[Kind],
         exact: impl Fn(&Path) -> Vec3,
     ) {
-        for (path, kind, mean) in self.means(view, paths, samplers) {
-            let exact = exact(&path);
+        let ways = |path: &Path| [Way::Path(*path), Way::Tiles(*path), Way::Frame(*path)];
+        let ways: Vec<Way> = paths.iter().flat_map(ways).collect();
+        self.assert_ways(name, view, &ways, samplers, exact);
+    }
+
+    /// The same of light tracing.
+    pub fn assert_light(
+        &mut self,
+        name: &str,
+        view: View,
+        paths: &[Path],
+        samplers: &[Kind],
+        exact: impl Fn(&Path) -> Vec3,
+    ) {
+        let ways: Vec<Way> = paths.iter().map(|path| Way::Light(*path)).collect();
+        self.assert_ways(name, view, &ways, samplers, exact);
+    }
+
+    fn assert_ways(
+        &mut self,
+        name: &str,
+        view: View,
+        ways: &[Way],
+        samplers: &[Kind],
+        exact: impl Fn(&Path) -> Vec3,
+    ) {
+        for (way, kind, mean) in self.means(view, ways, samplers) {
+            let exact = exact(way.path());
             let error = map2(
                 mean,
                 exact,
@@ -321,11 +351,78 @@ impl<'a> Stage<'a> {
                 },
             );
             let percent = error.map(|e| format!("{:+.4}", 100.0 * e)).join(" ");
-            println!("{name}, {} segments, {kind:?}: {percent} %", path.max_depth);
+            println!("{name}, {way:?}, {kind:?}: {percent} %");
             assert!(
                 error.iter().all(|e| e.abs() <= TOLERANCE),
-                "{name}, {path:?}, {kind:?}: {mean:?} is not {exact:?}: {percent} %"
+                "{name}, {way:?}, {kind:?}: {mean:?} is not {exact:?}: {percent} %"
             );
         }
     }
+}
+
+/// An integrator with the limits of a path's.
+#[derive(Clone, Copy, Debug)]
+pub enum Way {
+    Path(Path),
+    /// Bidirectional, without splats.
+    Tiles(Path),
+    /// Bidirectional, with them.
+    Frame(Path),
+    Light(Path),
+}
+
+impl Way {
+    fn path(&self) -> &Path {
+        match self {
+            Way::Path(path) | Way::Tiles(path) | Way::Frame(path) | Way::Light(path) => path,
+        }
+    }
+
+    fn mean(&self, scene: &Scene, camera: Camera, sampler: AnySampler, settings: Settings) -> Vec3 {
+        let Path {
+            max_depth,
+            rr_depth,
+            hide_emitters,
+        } = *self.path();
+        let bdpt: Bdpt = Bdpt {
+            max_depth,
+            rr_depth,
+            hide_emitters,
+        };
+        let light = LightTracer {
+            max_depth,
+            rr_depth,
+            hide_emitters,
+        };
+        match self {
+            Way::Path(path) => in_a_tile(Renderer::new(scene, camera, *path, sampler, settings)),
+            Way::Tiles(_) => in_a_tile(Renderer::new(scene, camera, bdpt, sampler, settings)),
+            Way::Frame(_) => in_a_frame(Renderer::new(scene, camera, bdpt, sampler, settings)),
+            Way::Light(_) => in_a_frame(Renderer::new(scene, camera, light, sampler, settings)),
+        }
+    }
+}
+
+fn mean(pixels: &[Radiance]) -> Vec3 {
+    let sum = pixels
+        .iter()
+        .fold([0.0; 3], |sum, pixel| map2(sum, to_f64(*pixel), |a, b| a + b));
+    sum.map(|c| c / pixels.len() as f64)
+}
+
+fn in_a_tile<I: Integrator>(mut renderer: Renderer<AnySampler, I>) -> Vec3 {
+    let Settings { width, height, .. } = renderer.settings();
+    let mut strip = vec![Radiance::BLACK; width as usize * height as usize];
+    mean(renderer.step(&mut strip).unwrap().pixels)
+}
+
+fn in_a_frame<I: Integrator>(mut renderer: Renderer<AnySampler, I>) -> Vec3 {
+    let Settings { width, height, spp } = renderer.settings();
+    let count = width as usize * height as usize;
+    let (mut sums, mut strip) = (vec![[0; 3]; count], vec![Radiance::BLACK; count]);
+    let mut frame = Exposure::new(width, height, &mut sums).unwrap();
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        renderer.expose(x, y, &mut frame);
+    }
+    mean(frame.rows(0, spp, &mut strip).unwrap().pixels)
 }

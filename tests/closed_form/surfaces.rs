@@ -81,6 +81,13 @@ fn glowing_box() {
         &PATTERNED,
         exact(RHO),
     );
+    glowing(RHO).assert_light(
+        "glowing box",
+        view.effort(16, 8192),
+        &DEPTHS,
+        &PATTERNED[1..],
+        exact(RHO),
+    );
     let grey = [0.3, 0.15, 0.25];
     glowing(grey).assert(
         "roulette",
@@ -129,17 +136,14 @@ fn integrating_sphere() {
         let view = View::at([0.3 * radius, 0.1 * radius, 0.0], [0.0, 0.0, radius])
             .wide(0.8)
             .effort(16, 256);
-        stage.assert(
-            &format!("integrating sphere of {radius}"),
-            view,
-            &DEPTHS[1..],
-            &PATTERNED,
-            |path| {
-                map2(rounded(RHO), LIGHT, |rho, light| {
-                    rho / PI * light / (radius * radius) * geometric(rho, path.max_depth as u32 - 1)
-                })
-            },
-        );
+        let name = format!("integrating sphere of {radius}");
+        let exact = |path: &Path| {
+            map2(rounded(RHO), LIGHT, |rho, light| {
+                rho / PI * light / (radius * radius) * geometric(rho, path.max_depth as u32 - 1)
+            })
+        };
+        stage.assert(&name, view, &DEPTHS[1..], &PATTERNED, exact);
+        stage.assert_light(&name, view.effort(16, 2048), &DEPTHS[1..], &PATTERNED[1..], exact);
     }
 }
 

@@ -228,7 +228,7 @@ fn maps() {
             &format!("map, {bands} x {steps}"),
             patch,
             0.02,
-            Environment::Map(&map),
+            Environment::Map(map),
         );
     }
 }

@@ -9,7 +9,10 @@ use microlux::material::{
 };
 use microlux::num::{Metres, Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
-use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{
+    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle, RoundedBox,
+    SmoothUnion, Sphere, Torus, TriangleMesh,
+};
 
 /// SplitMix64.
 pub struct Random(pub u64);
@@ -114,11 +117,76 @@ pub struct Draft {
     pub materials: Vec<Material>,
     pub lights: Vec<Light>,
     pub meshes: Vec<Model>,
+    pub blobs: Vec<Blob>,
     pub nodes: Vec<Node>,
     pub arrangement: Arrangement,
 }
 
-fn geometry(random: &mut Random, meshes: usize) -> Geometry {
+/// Balls, mostly, near one another.
+fn blobs(random: &mut Random) -> Vec<Blob> {
+    let size = random.size(REACH / 8).max(500);
+    let center = random.point(REACH - 4 * size);
+    let near = |random: &mut Random| Point([0, 1, 2].map(|i| center.0[i] + random.within(size)));
+    let blob = |_| {
+        let (a, b) = (near(random), near(random));
+        let radius = size / 4 + random.below(size as usize / 2) as i32;
+        if random.one_in(8) {
+            Capsule::new(a, b, radius).into()
+        } else {
+            Blob::ball(a, radius)
+        }
+    };
+    (0..6).map(blob).collect()
+}
+
+/// A solid given by a function that the border lets pass, if it is to be had at the first try.
+fn implicit(random: &mut Random, blobs: &[Blob]) -> Option<Implicit> {
+    let size = random.size(REACH / 2).max(500);
+    let center = random.point(REACH - 2 * size);
+    let share = |random: &mut Random| size / 16 + random.below(size as usize / 2) as i32;
+    let (x, y) = (random.dir(), random.dir());
+    let (first, count) = (random.below(4) as u16, 1 + random.below(3) as u16);
+    let solid = match random.below(6) {
+        0 => Implicit::Torus(Torus::new(center, x, size, share(random))),
+        1 => {
+            let b = Point([0, 1, 2].map(|i| center.0[i] + random.within(size)));
+            Implicit::Capsule(Capsule::new(center, b, share(random)))
+        }
+        2 => {
+            let half = [0; 3].map(|_| share(random));
+            let radius = 1 + random.below(half[0].min(half[1]).min(half[2]) as usize) as i32;
+            Implicit::RoundedBox(RoundedBox::new(center, x, y, half, radius)?)
+        }
+        3 => {
+            let cell = share(random);
+            let bound = if random.one_in(2) {
+                Bound::ball(size)
+            } else {
+                Bound::block([0; 3].map(|_| share(random)))
+            };
+            let thickness = cell / 4 + random.within(cell / 32);
+            Implicit::Gyroid(Gyroid::new(center, [x, y], cell, thickness, bound)?)
+        }
+        4 => Implicit::Metaballs(Metaballs::new(
+            blobs,
+            first,
+            count,
+            1 << random.pick(&[22, 25, 26]),
+        )),
+        _ => Implicit::SmoothUnion(SmoothUnion::new(blobs, first, count, 100 + share(random))),
+    };
+    solid.check(blobs).is_ok().then_some(solid)
+}
+
+fn geometry(random: &mut Random, meshes: usize, blobs: &[Blob]) -> Geometry {
+    if random.one_in(4)
+        && let Some(solid) = implicit(random, blobs)
+    {
+        let (low, high) = solid.bounds(blobs);
+        if low.0.iter().all(|c| *c >= -REACH) && high.0.iter().all(|c| *c <= REACH) {
+            return solid.into();
+        }
+    }
     let size = random.size(REACH);
     let center = random.point(REACH - size);
     match random.below(if meshes > 0 { 6 } else { 4 }) {
@@ -229,6 +297,7 @@ impl Draft {
     /// A scene that the border lets pass.
     pub fn random(random: &mut Random) -> Draft {
         let meshes: Vec<Model> = (0..random.below(3)).map(|_| Model::random(random)).collect();
+        let blobs = blobs(random);
         let materials: Vec<Material> = (0..1 + random.below(5)).map(|_| material(random)).collect();
         let mut shapes: Vec<Shape> = Vec::new();
         let mut lights = vec![Light::Directional {
@@ -241,7 +310,7 @@ impl Draft {
             let geometry = if again {
                 shapes[random.below(shapes.len())].geometry
             } else {
-                geometry(random, meshes.len())
+                geometry(random, meshes.len(), &blobs)
             };
             let emits = random.one_in(4) && !matches!(geometry, Geometry::Plane(_));
             shapes.push(Shape {
@@ -274,6 +343,7 @@ impl Draft {
             materials,
             lights,
             meshes,
+            blobs,
             nodes: Vec::new(),
             arrangement: Arrangement {
                 grid: Grid::UNIT,
@@ -293,6 +363,7 @@ impl Draft {
         self.arrangement = arrange(
             &mut self.shapes,
             &meshes,
+            &self.blobs,
             &mut self.lights,
             &mut boxes,
             &mut self.nodes,
@@ -315,6 +386,7 @@ impl Draft {
             environment: Environment::None,
             choice: &[],
             meshes,
+            blobs: &self.blobs,
             grid: self.arrangement.grid,
             nodes: &self.nodes,
         }

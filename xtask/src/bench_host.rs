@@ -86,7 +86,7 @@ pub fn run(options: &Options) -> Result<()> {
 }
 
 /// Instructions of one more sample a pixel, or `None` if host-sim refuses the scene.
-fn difference(host_sim: &Path, case: &Case, more: &[&str]) -> Result<Option<u64>> {
+pub(crate) fn difference(host_sim: &Path, case: &Case, more: &[&str]) -> Result<Option<u64>> {
     let mut counts = [0; 2];
     for (count, spp) in counts.iter_mut().zip(SAMPLES) {
         let Some(total) = instructions(host_sim, case, spp, more)? else {

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::{accuracy, bench_host, ci, device, golden, layers, no_float, setup, shell};
+use crate::{accuracy, bench_bdpt, bench_host, ci, device, golden, layers, no_float, sampling, setup, shell};
 
 /// The chores of microlux.
 #[derive(Parser)]
@@ -40,6 +40,13 @@ enum Chore {
     BenchDevice(device::BenchOptions),
     /// Count instructions on this computer and write docs/performance.md
     BenchHost(bench_host::Options),
+    /// Measure what bidirectional path tracing is worth and write docs/transport.md
+    BenchBdpt(bench_bdpt::Options),
+    /// Measure what the samplers are worth and write docs/sampling.md
+    ///
+    /// Renders every built-in scene, and scene files, with every sampler at 1 to 64 samples a pixel: the error at equal
+    /// samples, how fast it falls, and what is left of it from a distance. Takes some ten minutes.
+    Sampling(sampling::Options),
     /// Compare the golden pictures with the record
     Golden(golden::Options),
     /// Measure the picture's errors and write docs/accuracy.md
@@ -60,6 +67,8 @@ impl Xtask {
             Chore::Device(options) => device::run(&options),
             Chore::BenchDevice(options) => device::bench(&options),
             Chore::BenchHost(options) => bench_host::run(&options),
+            Chore::BenchBdpt(options) => bench_bdpt::run(&options),
+            Chore::Sampling(options) => sampling::run(&options),
             Chore::Golden(options) => golden::run(&options),
             Chore::Accuracy(options) => accuracy::run(&options),
         }

@@ -4,8 +4,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf, absolute};
 
 use anyhow::{Context, Result, bail, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
 
+use crate::board::Board;
 use crate::setup::Part;
 use crate::shell;
 use crate::toolchain::Embedded;
@@ -38,61 +39,11 @@ pub struct Options {
     quiet: bool,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Board {
-    /// Raspberry Pi Pico: RP2040, two Cortex-M0+, an ST7789 on its SPI bus
-    Pico,
-    /// Raspberry Pi Pico 2: RP2350, two Cortex-M33; built only, no emulator runs it here
-    Pico2,
-    /// ESP32-C3: RV32IMC; built only, no emulator runs it here
-    Esp32c3,
-    /// BBC micro:bit: Cortex-M0, 16 KiB of RAM
-    Microbit,
-    /// The RP2040's processor alone
-    Rp2040,
-    /// Cortex-M3
-    Mps2An385,
-    /// Cortex-M4F
-    Mps2An386,
-    /// Cortex-M7
-    Mps2An500,
-    /// Cortex-M33
-    Mps2An505,
-    /// RV32IMC
-    Virt,
-}
-
-impl Board {
-    /// As the emulator names it.
-    fn name(self) -> String {
-        self.to_possible_value()
-            .map_or_else(String::new, |value| value.get_name().to_owned())
-    }
-
-    const fn target(self) -> &'static str {
-        match self {
-            Board::Pico | Board::Microbit | Board::Rp2040 => "thumbv6m-none-eabi",
-            Board::Mps2An385 => "thumbv7m-none-eabi",
-            Board::Mps2An386 | Board::Mps2An500 => "thumbv7em-none-eabihf",
-            Board::Pico2 | Board::Mps2An505 => "thumbv8m.main-none-eabihf",
-            Board::Esp32c3 | Board::Virt => "riscv32imc-unknown-none-elf",
-        }
-    }
-
-    const fn part(self) -> Option<Part> {
-        match self {
-            Board::Pico | Board::Rp2040 => Some(Part::Node),
-            Board::Pico2 | Board::Esp32c3 => None,
-            _ => Some(Part::Qemu),
-        }
-    }
-}
-
 /// Runs one board's firmware.
 pub fn run(options: &Options) -> Result<()> {
     let board = options.board;
     Embedded::find(board.target())?;
-    let Some(part) = board.part() else {
+    let Some(part) = board.emulated_by() else {
         emulate(&["size"])?;
         bail!(
             "{}: it is built and fits, but no emulator here runs it",
@@ -101,7 +52,7 @@ pub fn run(options: &Options) -> Result<()> {
     };
     require(part)?;
     if board != Board::Pico {
-        return emulate(&["run", "--board", &board.name()]);
+        return emulate(&["run", "--board", board.name()]);
     }
     let png = match &options.png {
         Some(file) => file.clone(),
@@ -214,29 +165,4 @@ fn require(part: Part) -> Result<()> {
 /// The file as seen from anywhere.
 fn whole(file: &Path) -> Result<PathBuf> {
     absolute(file).with_context(|| file.display().to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn boards_have_the_emulators_names() {
-        let names: Vec<_> = Board::value_variants().iter().map(|board| board.name()).collect();
-        assert_eq!(
-            names,
-            [
-                "pico",
-                "pico2",
-                "esp32c3",
-                "microbit",
-                "rp2040",
-                "mps2-an385",
-                "mps2-an386",
-                "mps2-an500",
-                "mps2-an505",
-                "virt"
-            ]
-        );
-    }
 }

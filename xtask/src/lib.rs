@@ -4,13 +4,17 @@
 //! [`toolchain`] for its cargo, so that rustup's targets and Debian's compiler both serve.
 
 pub mod accuracy;
+pub mod bench_bdpt;
 pub mod bench_host;
+pub mod board;
 pub mod ci;
 pub mod cli;
 pub mod device;
 pub mod golden;
 pub mod layers;
 pub mod no_float;
+pub mod picture;
+pub mod sampling;
 pub mod setup;
 pub mod shell;
 pub mod toolchain;

@@ -11,6 +11,12 @@ use crate::{
         Pattern::{self, Independent, Sobol, Stratified},
     },
     random::Xorshift,
+    rays::{
+        Bundle,
+        Kind::{self, Primary},
+        Motif,
+    },
+    region,
 };
 
 /// A piece of work with one fingerprint, the same on every target.
@@ -27,6 +33,8 @@ pub enum Work {
     Machine(fn() -> u32),
     /// Renders a picture of the record.
     Picture(Case),
+    /// Traces rays or paths, each by itself.
+    Rays(Bundle),
 }
 
 impl Job {
@@ -37,11 +45,12 @@ impl Job {
         }
     }
 
-    /// The fingerprint.
-    pub fn run(&self) -> u32 {
+    /// The fingerprint. Region `id` is what is worth counting: the whole job, or each of its rays.
+    pub fn run(&self, id: u32) -> u32 {
         match self.work {
-            Work::Machine(test) => test(),
-            Work::Picture(case) => case.run().crc,
+            Work::Machine(test) => region::count(id, test),
+            Work::Picture(case) => region::count(id, || case.run().crc),
+            Work::Rays(bundle) => bundle.run(id).crc,
         }
     }
 }
@@ -99,9 +108,28 @@ pictures! {
     "torus-path-sobol" Torus Path Sobol;
 }
 
-/// Every job, in the order in which they run. A job's place in it is also its [`crate::region`].
+const fn rays(name: &'static str, motif: Motif, kind: Kind) -> Job {
+    Job {
+        name,
+        work: Work::Rays(Bundle { motif, kind }),
+    }
+}
+
+/// Camera rays and paths in four scenes, two of them with meshes.
+const RAYS: [Job; 8] = [
+    rays("cornell-primary", Motif::Builtin(Cornell), Primary),
+    rays("cornell-paths", Motif::Builtin(Cornell), Kind::Path),
+    rays("spheres-primary", Motif::Builtin(Spheres), Primary),
+    rays("spheres-paths", Motif::Builtin(Spheres), Kind::Path),
+    rays("torus-primary", Motif::Builtin(Torus), Primary),
+    rays("torus-paths", Motif::Builtin(Torus), Kind::Path),
+    rays("mesh-primary", Motif::Mesh, Primary),
+    rays("mesh-paths", Motif::Mesh, Kind::Path),
+];
+
+/// Every job, in the order in which they run. A job's place in it is also its [`region`].
 pub fn all() -> impl Iterator<Item = &'static Job> {
-    OWN.iter().chain(flags::JOBS).chain(PICTURES)
+    OWN.iter().chain(flags::JOBS).chain(PICTURES).chain(&RAYS)
 }
 
 /// 4 KiB of random bytes, written and read back in three widths.
@@ -142,8 +170,13 @@ mod tests {
             .collect();
         let ours: std::vec::Vec<String> = PICTURES
             .iter()
-            .map(|job| format!("{}-{:08x}", job.name, job.run()))
+            .map(|job| format!("{}-{:08x}", job.name, job.run(0)))
             .collect();
         assert_eq!(ours, rows);
+    }
+
+    #[test]
+    fn every_job_has_a_region() {
+        assert!(all().count() < region::EMPTY as usize);
     }
 }

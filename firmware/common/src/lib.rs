@@ -14,6 +14,8 @@ pub mod golden;
 pub mod jobs;
 pub mod mesh;
 mod random;
+pub mod rays;
 pub mod region;
 pub mod stage;
+pub mod text;
 pub mod tile;

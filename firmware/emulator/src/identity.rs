@@ -5,9 +5,9 @@ use std::{fmt::Write as _, fs, time::Instant};
 use anyhow::{Context, Result, bail};
 use xtask::shell;
 
-use crate::machine::Machine;
+use crate::{machine::Machine, stack};
 
-/// Runs the jobs on every machine and compares line by line with the first.
+/// Runs the jobs on every machine and compares line by line with the first; fails too if a stack is deeper than its bound.
 ///
 /// Prints a table with a row for each job: its CRC where all agree, every one where not.
 pub fn check(machines: &[Machine]) -> Result<()> {
@@ -15,6 +15,16 @@ pub fn check(machines: &[Machine]) -> Result<()> {
     for &machine in machines {
         let start = Instant::now();
         let text = machine.run()?;
+        if let Machine::Emulated(_) = machine {
+            let depth = stack::jobs(machine.name(), &machine.build()?, &text)?;
+            eprintln!(
+                "{:<11} deepest stack {} bytes, {} at most, {} free",
+                machine.name(),
+                depth.measured,
+                depth.bound.bytes,
+                depth.room
+            );
+        }
         // What memory the jobs took differs, of course.
         let jobs = text.lines().filter(|line| !line.starts_with("memory "));
         let lines = jobs.map(parse).collect::<Result<Vec<_>>>()?;
@@ -101,12 +111,12 @@ mod tests {
     #[test]
     fn tells_a_different_and_a_missing_line() {
         let good = lines("a crc32=00000001\nb crc32=00000002");
-        let equal = compare(&[(Machine::Host, good.clone()), (Machine::Virt, good.clone())]);
+        let equal = compare(&[(Machine::Host, good.clone()), (Machine::Wasm32, good.clone())]);
         assert_eq!(equal.1, 0);
         let other = lines("a crc32=00000003");
-        let (table, differing) = compare(&[(Machine::Host, good), (Machine::Virt, other)]);
+        let (table, differing) = compare(&[(Machine::Host, good), (Machine::Wasm32, other)]);
         assert_eq!(differing, 2);
-        assert!(table.contains("00000003  differs  virt") && table.contains("(missing)"));
+        assert!(table.contains("00000003  differs  wasm32") && table.contains("(missing)"));
     }
 
     #[test]

@@ -6,6 +6,8 @@ pub mod identity;
 pub mod machine;
 pub mod pico;
 mod process;
+mod segments;
 pub mod size;
+pub mod stack;
 mod symbols;
 pub mod toolchain;

@@ -3,8 +3,9 @@
 use std::{path::Path, process::Command, time::Duration};
 
 use anyhow::{Result, bail};
-use clap::ValueEnum;
+use clap::{ValueEnum, builder::PossibleValue};
 use firmware_common::jobs;
+use xtask::{board::Board, setup::Part};
 
 use crate::{
     pico, process,
@@ -15,39 +16,30 @@ use crate::{
 const LIMIT: Duration = Duration::from_secs(900);
 
 /// A place to run the jobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Machine {
-    /// this computer
+    /// This computer.
     Host,
-    /// WebAssembly in node
+    /// WebAssembly in node.
     Wasm32,
-    /// BBC micro:bit, Cortex-M0, in QEMU
-    Microbit,
-    /// Raspberry Pi Pico's chip, Cortex-M0+, in its own emulator
-    Rp2040,
-    /// Cortex-M3 in QEMU
-    Mps2An385,
-    /// Cortex-M4F in QEMU
-    Mps2An386,
-    /// Cortex-M7 in QEMU
-    Mps2An500,
-    /// Cortex-M33 in QEMU
-    Mps2An505,
-    /// RV32IMC in QEMU
-    Virt,
+    /// A board or machine in an emulator.
+    Emulated(Board),
 }
+
+/// The one with the least memory.
+pub const MICROBIT: Machine = Machine::Emulated(Board::Microbit);
 
 impl Machine {
     pub const ALL: [Self; 9] = [
         Self::Host,
         Self::Wasm32,
-        Self::Microbit,
-        Self::Rp2040,
-        Self::Mps2An385,
-        Self::Mps2An386,
-        Self::Mps2An500,
-        Self::Mps2An505,
-        Self::Virt,
+        MICROBIT,
+        Self::Emulated(Board::Rp2040),
+        Self::Emulated(Board::Mps2An385),
+        Self::Emulated(Board::Mps2An386),
+        Self::Emulated(Board::Mps2An500),
+        Self::Emulated(Board::Mps2An505),
+        Self::Emulated(Board::Virt),
     ];
 
     /// Name on the command line, in QEMU and of the memory layout in `firmware/qemu/memory`.
@@ -55,13 +47,7 @@ impl Machine {
         match self {
             Self::Host => "host",
             Self::Wasm32 => "wasm32",
-            Self::Microbit => "microbit",
-            Self::Rp2040 => "rp2040",
-            Self::Mps2An385 => "mps2-an385",
-            Self::Mps2An386 => "mps2-an386",
-            Self::Mps2An500 => "mps2-an500",
-            Self::Mps2An505 => "mps2-an505",
-            Self::Virt => "virt",
+            Self::Emulated(board) => board.name(),
         }
     }
 
@@ -69,35 +55,25 @@ impl Machine {
         match self {
             Self::Host => std::env::consts::ARCH,
             Self::Wasm32 => "wasm32",
-            Self::Microbit => "Cortex-M0",
-            Self::Rp2040 => "Cortex-M0+",
-            Self::Mps2An385 => "Cortex-M3",
-            Self::Mps2An386 => "Cortex-M4F",
-            Self::Mps2An500 => "Cortex-M7",
-            Self::Mps2An505 => "Cortex-M33",
-            Self::Virt => "RV32IMC",
+            Self::Emulated(board) => board.core(),
         }
     }
 
     /// Whether QEMU emulates it, so that its instructions can be counted.
-    pub const fn in_qemu(self) -> bool {
-        !matches!(self, Self::Host | Self::Wasm32 | Self::Rp2040)
+    pub fn in_qemu(self) -> bool {
+        matches!(self, Self::Emulated(board) if board.emulated_by() == Some(Part::Qemu))
     }
 
     /// Whether the Cortex-M0+ cycle model speaks of its code.
-    pub const fn is_armv6m(self) -> bool {
-        matches!(self, Self::Microbit | Self::Rp2040)
+    pub fn is_armv6m(self) -> bool {
+        self.target().starts_with("thumbv6m")
     }
 
     const fn target(self) -> &'static str {
         match self {
             Self::Host => "",
             Self::Wasm32 => "wasm32-unknown-unknown",
-            Self::Microbit | Self::Rp2040 => "thumbv6m-none-eabi",
-            Self::Mps2An385 => "thumbv7m-none-eabi",
-            Self::Mps2An386 | Self::Mps2An500 => "thumbv7em-none-eabihf",
-            Self::Mps2An505 => "thumbv8m.main-none-eabihf",
-            Self::Virt => "riscv32imc-unknown-none-elf",
+            Self::Emulated(board) => board.target(),
         }
     }
 
@@ -110,7 +86,7 @@ impl Machine {
         let build = Build {
             package,
             features: &[],
-            environment: &[("MACHINE", self.name())],
+            environment: &toolchain::machine(self.name()),
             name: self.name(),
         };
         toolchain::build(&build, self.target(), program)
@@ -119,7 +95,7 @@ impl Machine {
     /// QEMU for this machine, up to the program and plugins.
     pub fn qemu(self) -> Command {
         let mut qemu = match self {
-            Self::Virt => {
+            Self::Emulated(Board::Virt) => {
                 let mut qemu = Command::new("qemu-system-riscv32");
                 qemu.args(["-bios", "none"]);
                 qemu
@@ -142,14 +118,15 @@ impl Machine {
     /// Runs all jobs and returns their lines.
     pub fn run(self) -> Result<String> {
         match self {
-            Self::Host => Ok(jobs::all()
-                .map(|job| format!("{} crc32={:08x}\n", job.name, job.run()))
+            Self::Host => Ok((0..)
+                .zip(jobs::all())
+                .map(|(id, job)| format!("{} crc32={:08x}\n", job.name, job.run(id)))
                 .collect()),
             Self::Wasm32 => {
                 let script = toolchain::firmware().join("wasm/run.mjs");
                 self.lines(Command::new("node").arg(script).arg(self.build()?))
             }
-            Self::Rp2040 => self.lines(&mut pico::bare(&self.build()?)?),
+            Self::Emulated(Board::Rp2040) => self.lines(&mut pico::bare(&self.build()?)?),
             _ => self.run_in_qemu(&self.build()?, &[]),
         }
     }
@@ -171,5 +148,15 @@ impl Machine {
             );
         }
         Ok(finished.stdout)
+    }
+}
+
+impl ValueEnum for Machine {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(self.core()))
     }
 }

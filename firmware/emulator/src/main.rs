@@ -14,6 +14,7 @@ use firmware_common::{
     stage::NAMES,
     tile::{PASSES, Pass},
 };
+use xtask::board::Board;
 
 /// Runs the firmware without a board
 #[derive(Parser)]
@@ -65,7 +66,7 @@ enum Command {
 #[derive(Args)]
 struct Run {
     /// `pico`, or a machine that runs the jobs: microbit, mps2-an385, ...
-    #[arg(long, default_value = "pico", value_parser = board)]
+    #[arg(long, default_value = "pico", value_parser = emulated)]
     board: Board,
     /// File for what the Pico's display shows
     #[arg(long)]
@@ -93,17 +94,14 @@ struct Run {
     quiet: bool,
 }
 
-#[derive(Clone, Copy)]
-enum Board {
-    Pico,
-    Machine(Machine),
-}
-
-fn board(name: &str) -> Result<Board, String> {
-    if name == "pico" {
-        return Ok(Board::Pico);
-    }
-    Machine::from_str(name, false).map(Board::Machine)
+/// A board that something emulates.
+fn emulated(name: &str) -> Result<Board, String> {
+    Board::from_str(name, false).and_then(|board| {
+        let emulator = board.emulated_by();
+        emulator
+            .map(|_| board)
+            .ok_or_else(|| format!("no emulator runs {name}"))
+    })
 }
 
 fn run(options: &Run) -> Result<()> {
@@ -118,7 +116,7 @@ fn run(options: &Run) -> Result<()> {
             quiet: options.quiet,
         })
         .map(|_| ()),
-        Board::Machine(machine) => identity::check(&[Machine::Host, machine]),
+        board => identity::check(&[Machine::Host, Machine::Emulated(board)]),
     }
 }
 

@@ -20,6 +20,7 @@ use serde_json::Value;
 
 use crate::{
     process, size,
+    stack::{self, Depth, Root},
     toolchain::{self, Build},
 };
 
@@ -89,7 +90,14 @@ pub struct Shown {
     pub report: Value,
     /// Rays that this computer asked of the scene for the same pass.
     pub rays: u32,
+    /// Both cores' stacks.
+    pub depths: Vec<Depth>,
 }
+
+/// Bytes of either core's stack: `memory.x` and `firmware/pico/src/app.rs`.
+const STACK: u64 = 16 * 1024;
+/// Bytes at the lower end that the guard may take: its own 256, core 1's placed where the protection unit can.
+const GUARDS: [u64; 2] = [256, 512];
 
 /// Draws up to the goal and compares what the display shows with what this computer renders.
 pub fn run(run: &Run) -> Result<Shown> {
@@ -142,11 +150,30 @@ pub fn run(run: &Run) -> Result<Shown> {
     if let Some(file) = run.json {
         fs::write(file, &report).with_context(|| file.display().to_string())?;
     }
+    let report = serde_json::from_str(&report)?;
     Ok(Shown {
+        depths: stacks(&program, NAMES[run.goal.scene], &report)?,
         rgb: shown,
-        report: serde_json::from_str(&report)?,
+        report,
         rays,
     })
+}
+
+/// Both cores' stacks, measured and bounded; fails if they do not agree or do not fit.
+fn stacks(program: &Path, scene: &str, report: &Value) -> Result<Vec<Depth>> {
+    let mut depths = Vec::new();
+    for (core, root) in [Root::Reset, Root::Core1].into_iter().enumerate() {
+        let measured = report["stack_bytes"][core].as_u64();
+        let depth = Depth {
+            name: format!("pico, {scene}, core {core}"),
+            measured: measured.context("no stack in the emulator's report")?,
+            bound: stack::bound(program, root)?,
+            room: STACK - GUARDS[core],
+        };
+        depth.check()?;
+        depths.push(depth);
+    }
+    Ok(depths)
 }
 
 fn bake(file: &Path) -> Result<Baked> {

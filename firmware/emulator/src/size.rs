@@ -8,40 +8,37 @@ use std::{
 use anyhow::{Context, Result};
 use object::{Object, ObjectSection, SectionFlags, elf};
 
+use xtask::board::Board;
+
 use crate::toolchain::{self, Build};
 
 /// A board's own firmware; the micro:bit's is the jobs.
-pub struct Board {
-    pub name: &'static str,
+pub struct Program {
+    pub board: Board,
     package: &'static str,
-    program: &'static str,
-    target: &'static str,
+    name: &'static str,
 }
 
-pub const BOARDS: [Board; 4] = [
-    Board {
-        name: "microbit",
+pub const PROGRAMS: [Program; 4] = [
+    Program {
+        board: Board::Microbit,
         package: "qemu",
-        program: "firmware-qemu",
-        target: "thumbv6m-none-eabi",
+        name: "firmware-qemu",
     },
-    Board {
-        name: "pico",
+    Program {
+        board: Board::Pico,
         package: "pico",
-        program: "firmware-pico",
-        target: "thumbv6m-none-eabi",
+        name: "firmware-pico",
     },
-    Board {
-        name: "pico2",
+    Program {
+        board: Board::Pico2,
         package: "pico2",
-        program: "firmware-pico2",
-        target: "thumbv8m.main-none-eabihf",
+        name: "firmware-pico2",
     },
-    Board {
-        name: "esp32c3",
+    Program {
+        board: Board::Esp32c3,
         package: "esp32c3",
-        program: "firmware-esp32c3",
-        target: "riscv32imc-unknown-none-elf",
+        name: "firmware-esp32c3",
     },
 ];
 
@@ -55,24 +52,24 @@ pub struct Size {
 /// Builds every board's program, which fails if one does not fit, and prints a table.
 pub fn table() -> Result<()> {
     println!("board      flash bytes   ram bytes");
-    for board in &BOARDS {
-        let size = of(&board.build()?)?;
-        println!("{:<9} {:>12} {:>11}", board.name, size.flash, size.ram);
+    for program in &PROGRAMS {
+        let size = of(&program.build()?)?;
+        println!("{:<9} {:>12} {:>11}", program.board.name(), size.flash, size.ram);
     }
     Ok(())
 }
 
-impl Board {
+impl Program {
     /// Builds it as it is flashed.
     pub fn build(&self) -> Result<PathBuf> {
         let environment = ["MICROLUX_PROVOKE", "MICROLUX_MESH", "MICROLUX_FIRST"].map(|name| (name, ""));
         let build = Build {
             package: self.package,
             features: &[],
-            environment: &[&environment[..], &[("MACHINE", self.name)]].concat(),
-            name: self.name,
+            environment: &[&environment[..], &toolchain::machine(self.board.name())].concat(),
+            name: self.board.name(),
         };
-        toolchain::build(&build, self.target, self.program)
+        toolchain::build(&build, self.board.target(), self.name)
     }
 }
 

@@ -30,10 +30,32 @@ pub struct Build<'a> {
     pub name: &'a str,
 }
 
+/// What a program's environment says of the machine it is for.
+///
+/// All jobs in one program do not fit the micro:bit's 256 KiB of flash when they are built for speed.
+pub fn machine(name: &str) -> Vec<(&'static str, &str)> {
+    let mut settings = vec![("MACHINE", name)];
+    if name == "microbit" {
+        settings.push(("CARGO_PROFILE_RELEASE_OPT_LEVEL", "s"));
+    }
+    settings
+}
+
 /// Builds in release mode for `target` and returns a copy of the program named `program`.
+///
+/// An ELF file also says what stack each function takes and which of its words are addresses, in sections that are not
+/// loaded ([`crate::stack`]).
 pub fn build(build: &Build, target: &str, program: &str) -> Result<PathBuf> {
     let embedded = Embedded::find(target)?;
-    compile(embedded.cargo("build"), build)?;
+    if target.starts_with("wasm") {
+        compile(embedded.cargo("build"), build, &[])?;
+    } else {
+        let mut cargo = embedded.cargo("rustc");
+        // Stack sizes are an unstable option of the compiler's.
+        cargo.env("RUSTC_BOOTSTRAP", "1").args(["--bin", program]);
+        let last = ["--", "-Zemit-stack-sizes", "-Clink-arg=--emit-relocs"];
+        compile(cargo, build, &last)?;
+    }
     copy(&embedded.program("release", program), build.name)
 }
 
@@ -42,11 +64,12 @@ pub fn build_for_host(build: &Build, artifact: &str) -> Result<PathBuf> {
     let target_folder = shell::target_dir();
     let mut cargo = shell::cargo("build");
     cargo.arg("--target-dir").arg(&target_folder);
-    compile(cargo, build)?;
+    compile(cargo, build, &[])?;
     copy(&target_folder.join("release").join(artifact), build.name)
 }
 
-fn compile(mut cargo: Command, build: &Build) -> Result<()> {
+/// `last` are cargo's last arguments.
+fn compile(mut cargo: Command, build: &Build, last: &[&str]) -> Result<()> {
     cargo
         .current_dir(firmware().join(build.package))
         .args(["--release", "--quiet", "--locked"]);
@@ -55,6 +78,7 @@ fn compile(mut cargo: Command, build: &Build) -> Result<()> {
     }
     cargo.envs(build.environment.iter().copied());
     let status = cargo
+        .args(last)
         .status()
         .with_context(|| format!("{:?} does not start", cargo.get_program()))?;
     if !status.success() {

@@ -4,6 +4,7 @@ use cortex_m::singleton;
 use firmware_common::{
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
+    text,
     tile::{self, Frame},
 };
 use microlux::scene::Scene;
@@ -123,22 +124,7 @@ fn report(console: &Console, step: Step, microseconds: u64) {
     ] {
         console.write_full_blocking(name.as_bytes());
         let mut digits = [0; 10];
-        console.write_full_blocking(decimal(value, &mut digits));
+        console.write_full_blocking(text::decimal(value, &mut digits));
     }
     console.write_full_blocking(b"\n");
-}
-
-/// `value` in digits, without `core`'s formatting, which would be in the program for this alone.
-fn decimal(value: u32, digits: &mut [u8; 10]) -> &[u8] {
-    let mut rest = value;
-    let mut first = digits.len();
-    for (place, digit) in digits.iter_mut().enumerate().rev() {
-        *digit = b'0' + (rest % 10) as u8;
-        rest /= 10;
-        first = place;
-        if rest == 0 {
-            break;
-        }
-    }
-    digits.get(first..).unwrap_or(&[])
 }

@@ -1,10 +1,12 @@
-//! Runs every job of `firmware-common` and prints `name crc32=89abcdef` for each, on ARM also the memory that it took:
+//! Runs every job of `firmware-common` and prints `name crc32=89abcdef` for each, and the memory that it took:
 //! `memory name variables=BYTES stack=BYTES room=BYTES`. The exit code reaches the shell.
+//!
+//! It prints without `core`'s formatting, so that it is as small as a board's own program.
 
 #![no_std]
 #![no_main]
 
-#[cfg(target_arch = "arm")]
+mod console;
 mod stack;
 
 use core::panic::PanicInfo;
@@ -14,7 +16,7 @@ use cortex_m_rt::entry;
 use firmware_common::{jobs, region};
 #[cfg(target_arch = "riscv32")]
 use riscv_rt::entry;
-use semihosting::{eprintln, println, process};
+use semihosting::process;
 
 /// The only job to run, if the build names one: for profiles.
 const ONLY: &str = match option_env!("MICROLUX_ONLY") {
@@ -27,30 +29,36 @@ fn main() -> ! {
     region::count(region::EMPTY, || ());
     let wanted = |job: &jobs::Job| ONLY.is_empty() || job.name == ONLY;
     for (id, job) in (0..).zip(jobs::all()).filter(|(_, job)| wanted(job)) {
-        #[cfg(target_arch = "arm")]
         stack::paint();
-        let crc = region::count(id, || job.run());
-        #[cfg(target_arch = "arm")]
-        {
-            let stack::Used {
-                variables,
-                stack,
-                room,
-            } = stack::used();
-            println!(
-                "memory {} variables={variables} stack={stack} room={room}",
-                job.name
-            );
+        let crc = job.run(id);
+        let used = stack::used();
+        console::print(&["memory ", job.name]);
+        for (name, bytes) in [
+            (" variables=", used.variables),
+            (" stack=", used.stack),
+            (" room=", used.room),
+        ] {
+            console::print(&[name]);
+            console::decimal(bytes as u32);
         }
-        println!("{} crc32={crc:08x}", job.name);
+        console::print(&["\n", job.name, " crc32="]);
+        console::hexadecimal(crc);
+        console::print(&["\n"]);
     }
     process::exit(0)
 }
 
-/// On an emulator a panic says where, and the run fails.
+/// A panic ends the run. With the feature `place` it says where, which takes formatting code along.
 #[panic_handler]
 fn panic(info: &PanicInfo) -> ! {
-    eprintln!("{}: {info}", env!("MACHINE"));
+    console::print(&[env!("MACHINE"), ": panic"]);
+    #[cfg(feature = "place")]
+    if let Some(place) = info.location() {
+        console::print(&[" at ", place.file(), ":"]);
+        console::decimal(place.line());
+    }
+    let _ = info;
+    console::print(&["\n"]);
     process::exit(1)
 }
 
@@ -58,6 +66,8 @@ fn panic(info: &PanicInfo) -> ! {
 #[cfg(target_arch = "arm")]
 #[cortex_m_rt::exception]
 unsafe fn HardFault(frame: &cortex_m_rt::ExceptionFrame) -> ! {
-    eprintln!("{}: fault at {:#010x}", env!("MACHINE"), frame.pc());
+    console::print(&[env!("MACHINE"), ": fault at "]);
+    console::hexadecimal(frame.pc());
+    console::print(&["\n"]);
     process::exit(2)
 }

@@ -1,12 +1,11 @@
 //! How deep a job's stack gets: the free part of it is painted before, and what is left of the paint is measured after.
 
-use core::ptr;
+use core::{arch::asm, ptr};
 
 unsafe extern "C" {
-    /// Ends of the stack, from the start-up's linker script: it grows from `_stack_start` down to `_stack_end`.
+    /// Top of the stack, from the start-up's linker script, and first address behind the variables, down to which it may
+    /// grow.
     static _stack_start: u32;
-    static _stack_end: u32;
-    /// Ends of all variables.
     static __sdata: u32;
     static __ebss: u32;
 }
@@ -29,7 +28,7 @@ pub struct Used {
 /// Fills what is not in use of the stack.
 #[inline(never)]
 pub fn paint() {
-    let here = cortex_m::register::msp::read() as usize - OWN;
+    let here = stack_pointer() - OWN;
     let mut word = lowest().cast_mut();
     while (word as usize) < here {
         // SAFETY: the word lies in the stack, below all that is in use of it.
@@ -38,9 +37,21 @@ pub fn paint() {
     }
 }
 
+fn stack_pointer() -> usize {
+    let address;
+    // SAFETY: a register is read.
+    unsafe {
+        #[cfg(target_arch = "arm")]
+        asm!("mov {}, sp", out(reg) address, options(nomem, nostack, preserves_flags));
+        #[cfg(target_arch = "riscv32")]
+        asm!("mv {}, sp", out(reg) address, options(nomem, nostack, preserves_flags));
+    }
+    address
+}
+
 /// The lowest word that is painted.
 fn lowest() -> *const u32 {
-    let (top, end) = (&raw const _stack_start, &raw const _stack_end);
+    let (top, end) = (&raw const _stack_start, &raw const __ebss);
     end.max(top.wrapping_byte_sub(DEPTH))
 }
 
@@ -52,10 +63,9 @@ pub fn used() -> Used {
     while (word as usize) < top && unsafe { ptr::read_volatile(word) } == PAINT {
         word = word.wrapping_add(1);
     }
-    let variables = &raw const __ebss as usize - &raw const __sdata as usize;
     Used {
-        variables,
+        variables: &raw const __ebss as usize - &raw const __sdata as usize,
         stack: top - word as usize,
-        room: top - &raw const _stack_end as usize + variables,
+        room: top - &raw const __sdata as usize,
     }
 }

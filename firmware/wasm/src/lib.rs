@@ -31,7 +31,7 @@ pub extern "C" fn job_name_bytes(index: usize) -> usize {
 
 #[unsafe(no_mangle)]
 pub extern "C" fn job_run(index: usize) -> u32 {
-    job(index).run()
+    job(index).run(index as u32)
 }
 
 #[panic_handler]

@@ -37,17 +37,18 @@ pub enum Command {
     Compare(CompareArgs),
     Info(InfoArgs),
     Report(ReportArgs),
+    /// List the built-in scenes, one line each
     Scenes,
 }
 
 const RENDER_EXAMPLES: &str = "\
-SCENE is a built-in name (host-sim scenes lists them) or a file: .xml (Mitsuba 3), or .obj and .ply, which are framed
+SCENE is a built-in name (host-sim scenes lists them) or a file: .xml (Mitsuba 3), or .obj and .ply, which are framed \
 and lit by default.
 
-Without -o the picture is written to NAME.png in the current directory, NAME being the scene's, over a file of that
+Without -o the picture is written to NAME.png in the current directory, NAME being the scene's, over a file of that \
 name if there is one, and also shown here where the standard output is a terminal.
 
-Files appear when they are complete. Ctrl-C stops the render and leaves none (exit status 130). Exit status 1 says that
+Files appear when they are complete. Ctrl-C stops the render and leaves none (exit status 130). Exit status 1 says that \
 the scene or a file is wrong, 2 that the command line is.
 
 Examples:
@@ -98,10 +99,10 @@ psnr      of the sRGB signals clipped to 0..1, in dB (200: equal)
 flip      mean FLIP of the same signals: 0 equal, 1 as different as can be (67 pixels a degree)
 block p95 95th percentile of the relative error of 8x8 blocks
 
-Both renders are noisy: at few samples a pixel rmse, psnr and flip show noise, not error. --reference-spp gives the
+Both renders are noisy: at few samples a pixel rmse, psnr and flip show noise, not error. --reference-spp gives the \
 reference more samples.
 
---diff: .png has white where the pictures agree, red where fixed is brighter and blue where it is darker, full colour
+--diff: .png has white where the pictures agree, red where fixed is brighter and blue where it is darker, full colour \
 from 50 % on; .exr and .pfm have the signed difference of linear light.
 
 Examples:
@@ -138,7 +139,7 @@ pub struct CompareArgs {
 }
 
 const INFO_EXAMPLES: &str = "\
-Flash is what the scene's constant data take. RAM is for the given settings: a strip of the picture, the path's scratch
+Flash is what the scene's constant data take. RAM is for the given settings: a strip of the picture, the path's scratch \
 and the renderer's state, without the program's own stack.
 
 Examples:
@@ -159,14 +160,14 @@ pub struct InfoArgs {
 }
 
 const REPORT_EXAMPLES: &str = "\
-DIR/report.html shows everything, with its pictures inside, and needs nothing else; DIR/report.json has all of the
+DIR/report.html shows everything, with its pictures inside, and needs nothing else; DIR/report.json has all of the \
 numbers. DIR is made if it is not there; both files appear when everything is done, and Ctrl-C leaves none.
 
-For each scene, integrator and sampler: the fixed-point picture beside the f64 reference's (and Mitsuba's, where there is
-one), what they differ by, the bias with its standard error, and how the error falls with the number of samples. What is
+For each scene, integrator and sampler: the fixed-point picture beside the f64 reference's (and Mitsuba's, where there is \
+one), what they differ by, the bias with its standard error, and how the error falls with the number of samples. What is \
 beyond the project's bars is marked, and an overview stands at the top.
 
-Pictures by Mitsuba are found as reference/NAME.exr beside a scene file NAME.xml, or as NAME.exr in --reference-dir. They
+Pictures by Mitsuba are found as reference/NAME.exr beside a scene file NAME.xml, or as NAME.exr in --reference-dir. They \
 may be larger by a whole factor.
 
 Examples:
@@ -251,6 +252,9 @@ pub struct Settings {
     /// How light is followed [default: the scene's]
     #[arg(long, value_enum)]
     pub integrator: Option<IntegratorArg>,
+    /// bdpt as on a board without memory for a whole frame: no light subpath meets the lens, and 8 vertices are kept
+    #[arg(long)]
+    pub tiles: bool,
     /// Longest path, in segments: 1 sees lights alone, 2 direct light [default: the scene's]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(1..=65535))]
     pub max_depth: Option<u32>,
@@ -274,6 +278,12 @@ pub enum IntegratorArg {
     Direct,
     /// All of it, bounce after bounce
     Path,
+    /// From the camera and from the lights, joined everywhere
+    Bdpt,
+    /// From the lights alone
+    Light,
+    /// No light at all: how open each surface is
+    Ao,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -348,6 +358,7 @@ impl Settings {
             height,
             spp: self.spp.unwrap_or(own.spp),
             integrator: self.integrator.map_or(own.integrator, IntegratorKind::from),
+            tiles: self.tiles,
             max_depth: self.max_depth.or(own.max_depth),
             sampler: self.sampler.map_or(own.sampler, SamplerKind::from),
             seed: self.seed,
@@ -363,6 +374,9 @@ impl From<IntegratorArg> for IntegratorKind {
         match arg {
             IntegratorArg::Direct => IntegratorKind::Direct,
             IntegratorArg::Path => IntegratorKind::Path,
+            IntegratorArg::Bdpt => IntegratorKind::Bdpt,
+            IntegratorArg::Light => IntegratorKind::Light,
+            IntegratorArg::Ao => IntegratorKind::Ao,
         }
     }
 }

@@ -22,7 +22,7 @@ pub enum ImplicitDesc {
     /// All points within `radius` of the segment from a to b: with s = clamp((p − a)·(b − a) / |b − a|², 0, 1),
     /// f = |p − a − s (b − a)| − radius. a ≠ b. |∇f| = 1.
     Capsule(CapsuleDesc),
-    /// A box rolled around by a ball: with dᵢ = |qᵢ| − (half[i] − radius),
+    /// A box rolled around by a ball: with dᵢ = |qᵢ| − (halfᵢ − radius),
     /// f = |max(d, 0)| + min(max(d₀, d₁, d₂), 0) − radius, max(d, 0) taken by component. `half` is half the box's extent
     /// *with* its rounding; 0 < radius ≤ min(half). |∇f| = 1 outside of the inner box.
     RoundedBox {
@@ -35,7 +35,7 @@ pub enum ImplicitDesc {
     /// A wall along Schoen's gyroid, cut by a bound: with Xᵢ = 2π qᵢ / cell and
     /// g = sin X₀ cos X₁ + sin X₁ cos X₂ + sin X₂ cos X₀,
     /// f = max(cell/(3π) |g| − thickness/2, bound), where `bound` is |q| − radius for the sphere and
-    /// maxᵢ(|qᵢ| − half[i]) for the box. |∇| of the first term is at most 2/√3, and between 2√2/3 and 2/√3 where g = 0, so
+    /// maxᵢ(|qᵢ| − halfᵢ) for the box. |∇| of the first term is at most 2/√3, and between 2√2/3 and 2/√3 where g = 0, so
     /// that a thin wall is `thickness` thick within a seventh (2 % less on the average). 0 < thickness ≤ 0.3 cell.
     Gyroid {
         center: Vec3,

@@ -431,3 +431,17 @@ fn what_is_wrong_with_them_is_said() {
         );
     }
 }
+
+#[test]
+fn a_picture_too_small_for_a_sky_is_refused() {
+    let folder = Folder::with(&[(
+        "s.xml",
+        &scene("<emitter type=\"envmap\">\n<string name=\"filename\" value=\"line.exr\"/></emitter>"),
+    )]);
+    exr::prelude::write_rgb_file(folder.path("line.exr"), 4, 1, |_, _| (1.0_f32, 1.0, 1.0)).unwrap();
+    let found = folder.error("s.xml");
+    assert!(
+        found.starts_with("s.xml:4: a picture of 4 x 1 has no sky in it"),
+        "{found}"
+    );
+}

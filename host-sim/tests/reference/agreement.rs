@@ -5,7 +5,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-use host_sim::reference::Estimator;
+use host_sim::reference::{Capsule, Estimator, Gradient, Implicit, Map, OrenNayarModel, Sun};
 
 use super::*;
 
@@ -56,10 +56,108 @@ fn lamps_of_every_kind() -> Scene {
     scene
 }
 
+/// Every material that has a density, on shapes of every kind, under a sky with a sun and beside a glowing ring.
+fn materials_under_a_sky() -> Scene {
+    let camera = Camera::look_at(
+        vec3(0.0, 0.5, 3.4),
+        vec3(0.0, -0.3, 0.0),
+        vec3(0.0, 1.0, 0.0),
+        60.0,
+    );
+    let mut shapes = vec![shape(
+        Geometry::Plane {
+            point: vec3(0.0, -1.0, 0.0),
+            normal: vec3(0.0, 1.0, 0.0),
+        },
+        3,
+    )];
+    let frame = [vec3(0.8, 0.0, 0.6), vec3(0.0, 1.0, 0.0), vec3(-0.6, 0.0, 0.8)];
+    let solid = |solid| Geometry::Implicit(Arc::new(solid));
+    shapes.push(shape(sphere(vec3(-1.0, -0.5, 0.0), 0.5), 4));
+    shapes.push(shape(sphere(vec3(0.9, -0.5, 0.4), 0.5), 5));
+    let block = Implicit::RoundedBox {
+        center: vec3(0.0, -0.6, -0.6),
+        axes: frame,
+        half: vec3(0.5, 0.4, 0.3),
+        radius: 0.1,
+    };
+    shapes.push(shape(solid(block), 6));
+    let post = Implicit::Capsule(Capsule {
+        a: vec3(-0.3, -0.8, 0.8),
+        b: vec3(0.3, -0.8, 0.9),
+        radius: 0.2,
+    });
+    shapes.push(shape(solid(post), 7));
+    let ring = Implicit::Torus {
+        center: vec3(0.2, 0.5, 0.0),
+        axis: vec3(0.0, 0.6, 0.8),
+        major: 0.5,
+        minor: 0.12,
+    };
+    shapes.push(lamp(solid(ring), 2.0, 0));
+    let lights = vec![
+        Light::Gradient(Gradient {
+            zenith: vec3(0.2, 0.4, 0.9),
+            horizon: vec3(0.6, 0.5, 0.4),
+            ground: Rgb::ZERO,
+            up: vec3(0.0, 1.0, 0.0),
+        }),
+        Light::Sun(Sun {
+            direction: vec3(1.0, 1.0, 0.7),
+            radiance: vec3(4.0, 3.5, 3.0),
+            angle: 40.0,
+        }),
+        Light::Map(Arc::new(Map {
+            width: 4,
+            height: 3,
+            pixels: (0..12).map(|i| Rgb::splat(f64::from(i % 5) / 10.0)).collect(),
+            axes: frame,
+        })),
+    ];
+    let mut scene = scene(camera, shapes, lights);
+    let oren_nayar = |model| Material::OrenNayar {
+        reflectance: vec3(0.8, 0.6, 0.3),
+        sigma: 0.6,
+        model,
+        two_sided: false,
+    };
+    scene.materials.extend([
+        oren_nayar(OrenNayarModel::EnergyPreserving),
+        Material::RoughConductor {
+            alpha: 0.4,
+            reflectance: Rgb::ONE,
+            eta_k: Some((vec3(0.2, 0.9, 1.1), vec3(3.9, 2.4, 2.2))),
+            two_sided: false,
+        },
+        Material::RoughDielectric {
+            alpha: 0.8,
+            eta: 1.5,
+            specular_reflectance: Rgb::ONE,
+            specular_transmittance: Rgb::ONE,
+        },
+        Material::BlinnPhong {
+            diffuse: vec3(0.2, 0.4, 0.5),
+            specular: Rgb::splat(0.4),
+            exponent: 8.0,
+            normalized: true,
+            two_sided: false,
+        },
+        oren_nayar(OrenNayarModel::Full),
+    ]);
+    scene
+}
+
 #[test]
 fn the_two_estimators_agree_in_the_mean() {
-    let scene = lamps_of_every_kind();
-    for max_depth in [Some(2), Some(4), None] {
+    let lamps = lamps_of_every_kind();
+    let materials = materials_under_a_sky();
+    for (name, scene, max_depth) in [
+        ("lamps", &lamps, Some(2)),
+        ("lamps", &lamps, Some(4)),
+        ("lamps", &lamps, None),
+        ("materials", &materials, Some(2)),
+        ("materials", &materials, Some(3)),
+    ] {
         // Independent runs give the mean and its standard error.
         let estimate = |estimator, runs: u64, spp| {
             let means: Vec<f64> = (0..runs)
@@ -73,7 +171,7 @@ fn the_two_estimators_agree_in_the_mean() {
                         estimator,
                         ..Settings::default()
                     };
-                    let pixels = picture(&scene, &settings).pixels;
+                    let pixels = picture(scene, &settings).pixels;
                     pixels.iter().map(|p| p[0] + p[1] + p[2]).sum::<f64>() / (3 * pixels.len()) as f64
                 })
                 .collect();
@@ -84,11 +182,11 @@ fn the_two_estimators_agree_in_the_mean() {
         let (guided, guided_variance) = estimate(Estimator::Guided, 16, 36);
         let (blind, blind_variance) = estimate(Estimator::Blind, 16, 144);
         let sigma = (guided_variance + blind_variance).sqrt();
-        println!("max_depth {max_depth:?}: {guided:.5} and {blind:.5}, sigma {sigma:.5}");
+        println!("{name}, max_depth {max_depth:?}: {guided:.5} and {blind:.5}, sigma {sigma:.5}");
         assert!(sigma / guided < 4e-3, "too noisy to tell: {sigma} of {guided}");
         assert!(
             (guided - blind).abs() < 3.5 * sigma,
-            "{guided} and {blind} differ by more than chance, {sigma}"
+            "{name}, {max_depth:?}: {guided} and {blind} differ by more than chance, {sigma}"
         );
     }
 }

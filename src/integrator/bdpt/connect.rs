@@ -1,6 +1,6 @@
 //! A vertex of the camera's and one of a light's, joined by a segment.
 
-use super::subpath::PathVertex;
+use super::subpath::{PathVertex, roulette};
 use super::weight::weight;
 use crate::camera::Projection;
 use crate::color::Radiance;
@@ -14,8 +14,17 @@ use crate::scene::{Scene, Vertex};
 pub type Found = Option<(Radiance, Wide)>;
 
 /// Two subpaths of two vertices or more each.
+///
+/// What would bring less than `least` is taken only so often as its share in it, by `number`, and that much more of it:
+/// most of a connection's cost is the shadow ray.
 #[inline]
-pub fn connect(scene: &Scene, camera: &PathVertex, light: &PathVertex, rays: &mut u32) -> Found {
+pub fn connect(
+    scene: &Scene,
+    camera: &PathVertex,
+    light: &PathVertex,
+    (least, number): (Wide, Uniform),
+    rays: &mut u32,
+) -> Found {
     let (from, to) = (&camera.vertex.surface, &light.vertex.surface);
     let (dir, norm) = from.point.to(to.point).normalize()?;
     let (here, pdf) = camera.eval(dir)?;
@@ -26,6 +35,17 @@ pub fn connect(scene: &Scene, camera: &PathVertex, light: &PathVertex, rays: &mu
     if carried.is_black() {
         return None;
     }
+    let shorter_light = light
+        .partial
+        .shorter(pdf * light.cos(dir) * per_square, light.reverse_pdf(-dir));
+    let shorter_camera = camera
+        .partial
+        .shorter(light_pdf * camera.cos(dir) * per_square, camera.reverse_pdf(dir));
+    let weight = weight(shorter_light, shorter_camera);
+    let carried = match small(carried.max_channel() * weight, least) {
+        None => carried,
+        Some(chance) => carried.scale(roulette(chance, number)?),
+    };
     let shadow = Ray {
         origin: from.leave(dir),
         dir,
@@ -35,13 +55,13 @@ pub fn connect(scene: &Scene, camera: &PathVertex, light: &PathVertex, rays: &mu
     if slope == 0 || scene.occluded(&shadow, short_of(norm.length(), to.lift, slope), None) {
         return None;
     }
-    let shorter_light = light
-        .partial
-        .shorter(pdf * light.cos(dir) * per_square, light.reverse_pdf(-dir));
-    let shorter_camera = camera
-        .partial
-        .shorter(light_pdf * camera.cos(dir) * per_square, camera.reverse_pdf(dir));
-    Some((carried, weight(shorter_light, shorter_camera)))
+    Some((carried, weight))
+}
+
+/// The share in `least` of something smaller.
+#[inline]
+fn small(brings: Wide, least: Wide) -> Option<Wide> {
+    (!brings.is_at_least(least)).then(|| brings / least)
 }
 
 /// A light sample, as path tracing makes it; its weight among all strategies.

@@ -30,8 +30,14 @@ impl PathVertex<'_> {
     #[inline]
     pub fn eval_light(&self, dir: Dir) -> Option<(Radiance, Wide)> {
         let (value, pdf) = self.eval(dir)?;
-        let scale = self.vertex.material.eta_squared(&self.vertex.local(), dir);
-        Some((scaled(value, scale), pdf))
+        let (material, local) = (self.vertex.material, self.vertex.local());
+        if material.is_reciprocal() {
+            return Some((scaled(value, material.eta_squared(&local, dir)), pdf));
+        }
+        // The other way round, which has the cosine at the light's end.
+        let turned = Local { wo: dir, ..local };
+        let (value, _) = material.eval(&turned, local.wo)?;
+        Some((value.scale(self.cos(dir) / self.cos(local.wo)), pdf))
     }
 
     /// The density of the way back to the vertex before, when one comes from `dir`.
@@ -39,10 +45,7 @@ impl PathVertex<'_> {
     pub fn reverse_pdf(&self, dir: Dir) -> Wide {
         let local = self.vertex.local();
         let turned = Local { wo: dir, ..local };
-        match self.vertex.material.eval(&turned, local.wo) {
-            Some((_, pdf)) => pdf,
-            None => Wide::ZERO,
-        }
+        self.vertex.material.pdf(&turned, local.wo)
     }
 
     /// Cosine between a direction and the normal, on whichever side.
@@ -96,8 +99,14 @@ pub fn scatter(at: &PathVertex, direction: [Uniform; 2], lobe: Uniform) -> Optio
 
 /// The weight of a BSDF sample for light instead of radiance: without the squeeze into the denser medium.
 #[inline]
-pub fn light_weight(sample: &BsdfSample) -> Radiance {
-    scaled(sample.weight, sample.eta_squared)
+pub fn light_weight(at: &PathVertex, sample: &BsdfSample) -> Radiance {
+    if at.vertex.material.is_reciprocal() || sample.is_specular() {
+        return scaled(sample.weight, sample.eta_squared);
+    }
+    match at.eval_light(sample.wi) {
+        Some((value, _)) => value.scale(sample.pdf.recip()),
+        None => Radiance::BLACK,
+    }
 }
 
 /// Whether a subpath survives roulette with this number, and by what its throughput grows if so.

@@ -16,6 +16,7 @@ use clap::Args;
 use crate::shell;
 pub(crate) use case::{Case, built_in, bunny, files};
 use measure::Outcome;
+pub(crate) use measure::{Error, mitsuba};
 pub(crate) use record::Header;
 use record::Row;
 

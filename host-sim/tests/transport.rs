@@ -1,0 +1,102 @@
+//! Every integrator of the core against the f64 reference, in the mean, on the built-in scenes.
+//!
+//! Small pictures, many seeds: differences are judged by the spread over the seeds, beyond 0.25 % for what rounding may
+//! do.
+
+use std::sync::atomic::AtomicBool;
+
+use host_sim::builtin;
+use host_sim::desc::{IntegratorKind, SamplerKind, SceneDesc};
+use host_sim::run::{Error, Options, Picture, Stats, render_fixed, render_reference};
+
+const SEEDS: u32 = 24;
+const BUDGET: f64 = 0.0025;
+
+/// Student's t with 23 degrees of freedom (the fewer there may be) that is exceeded on either side with probability
+/// 0.01/20: there are fewer comparisons.
+const MOST: f64 = 4.05;
+
+fn options(desc: &SceneDesc, integrator: IntegratorKind, tiles: bool, seed: u32, spp: u32) -> Options {
+    Options {
+        width: 12,
+        height: 12,
+        spp,
+        integrator,
+        tiles,
+        max_depth: Some(7),
+        sampler: SamplerKind::Independent,
+        seed,
+        threads: 2,
+        ..Options::for_scene(desc)
+    }
+}
+
+/// Mean over the seeds, and its standard error.
+fn estimate(made: impl Fn(u32) -> Result<(Picture, Stats), Error>) -> (f64, f64) {
+    let mean_of = |picture: Picture| {
+        let sum: f64 = picture.rgb.iter().flatten().map(|c| f64::from(*c)).sum();
+        sum / (3 * picture.rgb.len()) as f64
+    };
+    let means: Vec<f64> = (1..=SEEDS).map(|seed| mean_of(made(seed).unwrap().0)).collect();
+    let n = means.len() as f64;
+    let mean = means.iter().sum::<f64>() / n;
+    let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    (mean, (variance / n).sqrt())
+}
+
+#[test]
+fn the_core_agrees_with_the_reference() {
+    let cancel = AtomicBool::new(false);
+    let (path, bdpt, light) = (IntegratorKind::Path, IntegratorKind::Bdpt, IntegratorKind::Light);
+    let both = [(path, false), (bdpt, false), (bdpt, true)];
+    // A point light's caustic is found by light that meets the lens alone: the frame has 0.4 % more than all others.
+    let without_caustics = [(path, false), (bdpt, true)];
+    // Nothing but light tracing sees no mirror or glass, and starts no path in the sky.
+    let matt = [(path, false), (bdpt, false), (bdpt, true), (light, false)];
+    for (name, ways) in [
+        ("cornell", &matt[..]),
+        ("spheres", &without_caustics),
+        ("seed", &both),
+        ("torus-knot", &matt),
+    ] {
+        let desc = builtin::scene(name).unwrap();
+        let (truth, truth_error) = estimate(|seed| {
+            let options = options(&desc, path, false, seed, 64);
+            render_reference(&desc, &options, &(), &cancel)
+        });
+        for &(integrator, tiles) in ways {
+            let (mean, error) = estimate(|seed| {
+                let options = options(&desc, integrator, tiles, seed, 32);
+                render_fixed(&desc, &options, &(), &cancel)
+            });
+            let error = error.hypot(truth_error);
+            let percent = 100.0 * (mean / truth - 1.0);
+            println!(
+                "{name}, {integrator:?}, tiles {tiles}: {percent:+.3} % with an error of {:.3} %",
+                100.0 * error / truth
+            );
+            assert!(
+                (mean - truth).abs() <= BUDGET * truth + MOST * error,
+                "{name}, {integrator:?}, tiles {tiles}: {mean} is not {truth}"
+            );
+        }
+    }
+}
+
+#[test]
+fn ambient_occlusion_agrees_with_the_reference() {
+    let cancel = AtomicBool::new(false);
+    for radius in [None, Some(0.5)] {
+        let mut desc = builtin::scene("cornell").unwrap();
+        desc.integrator.ao_radius = radius;
+        let made = |seed, spp| options(&desc, IntegratorKind::Ao, false, seed, spp);
+        let (truth, truth_error) = estimate(|seed| render_reference(&desc, &made(seed, 64), &(), &cancel));
+        let (mean, error) = estimate(|seed| render_fixed(&desc, &made(seed, 64), &(), &cancel));
+        let error = error.hypot(truth_error);
+        println!("ao within {radius:?}: {mean} and {truth}, error {error}");
+        assert!(
+            (mean - truth).abs() <= BUDGET * truth + MOST * error,
+            "{radius:?}: {mean} is not {truth}"
+        );
+    }
+}

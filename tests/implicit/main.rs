@@ -1,0 +1,5 @@
+//! Solids given by a function: what is met, where, and with which normal.
+
+mod exact;
+mod hits;
+mod surfaces;
