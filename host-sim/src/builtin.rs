@@ -1,5 +1,6 @@
 //! Scenes that need no file.
 
+mod balls;
 mod torus_knot;
 
 use crate::desc::{
@@ -28,6 +29,15 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
             "a knotted tube of 15,360 triangles over a floor, square lamp",
         ),
         (
+            "materials",
+            "a ball of each material: rough diffuse, gloss, metals, frosted and clear glass",
+        ),
+        ("sky", "balls on a floor under a sky with a sun"),
+        (
+            "map",
+            "the same balls in a studio with two windows, an environment map",
+        ),
+        (
             "furnace",
             "a grey ball in a white sky: exactly 0.5 on the ball and 1 around it",
         ),
@@ -41,6 +51,9 @@ pub fn scene(name: &str) -> Option<SceneDesc> {
         "seed" => Some(seed()),
         "spheres" => Some(spheres()),
         "torus-knot" => Some(torus_knot_on_floor()),
+        "materials" => Some(balls::materials()),
+        "sky" => Some(balls::sky()),
+        "map" => Some(balls::map()),
         "furnace" => Some(furnace()),
         _ => None,
     }
