@@ -1,5 +1,6 @@
 //! Scenes that need no file.
 
+mod implicits;
 mod torus_knot;
 
 use crate::desc::{
@@ -28,6 +29,10 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
             "a knotted tube of 15,360 triangles over a floor, square lamp",
         ),
         (
+            "implicits",
+            "six solids given by a function, found by marching: one of glass, one of steel, one that glows",
+        ),
+        (
             "furnace",
             "a grey ball in a white sky: exactly 0.5 on the ball and 1 around it",
         ),
@@ -41,6 +46,7 @@ pub fn scene(name: &str) -> Option<SceneDesc> {
         "seed" => Some(seed()),
         "spheres" => Some(spheres()),
         "torus-knot" => Some(torus_knot_on_floor()),
+        "implicits" => Some(implicits::implicits()),
         "furnace" => Some(furnace()),
         _ => None,
     }
