@@ -58,14 +58,20 @@ fn cases() -> Vec<Case> {
     };
     for scene in [Builtin::Cornell, Builtin::Spheres, Builtin::Torus] {
         for (integrator, _) in INTEGRATORS {
-            SAMPLERS.map(|sampler| add(scene, integrator, sampler));
+            SAMPLERS
+                .into_iter()
+                .for_each(|sampler| add(scene, integrator, sampler));
         }
     }
     for scene in [Builtin::Materials, Builtin::Sky, Builtin::Map] {
-        ["independent", "sobol"].map(|sampler| add(scene, "path", sampler));
+        ["independent", "sobol"]
+            .into_iter()
+            .for_each(|sampler| add(scene, "path", sampler));
     }
     for scene in [Builtin::Cornell, Builtin::Spheres] {
-        ["cmj", "blue"].map(|sampler| add(scene, "path", sampler));
+        ["cmj", "blue"]
+            .into_iter()
+            .for_each(|sampler| add(scene, "path", sampler));
     }
     cases
 }

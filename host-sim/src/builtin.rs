@@ -1,6 +1,7 @@
 //! Scenes that need no file.
 
 mod balls;
+mod implicits;
 mod torus_knot;
 
 use crate::desc::{
@@ -38,6 +39,10 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
             "the same balls in a studio with two windows, an environment map",
         ),
         (
+            "implicits",
+            "six solids given by a function, found by marching: one of glass, one of steel, one that glows",
+        ),
+        (
             "furnace",
             "a grey ball in a white sky: exactly 0.5 on the ball and 1 around it",
         ),
@@ -54,6 +59,7 @@ pub fn scene(name: &str) -> Option<SceneDesc> {
         "materials" => Some(balls::materials()),
         "sky" => Some(balls::sky()),
         "map" => Some(balls::map()),
+        "implicits" => Some(implicits::implicits()),
         "furnace" => Some(furnace()),
         _ => None,
     }
