@@ -113,7 +113,7 @@ mod tests {
     fn both_forms_divide_alike() {
         // Every divisor, and so many dividends that each is met by some.
         for b in 1 << 15..1 << 16 {
-            for a in (1 << 15 | b % 251..1 << 16)
+            for a in ((1 << 15) | (b % 251)..1 << 16)
                 .step_by(251)
                 .chain([1 << 15, b - 1, b, 65535])
             {

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::shell;
+use crate::{bench_seed, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -22,12 +22,34 @@ pub struct Options {
         default_value = "../shared/meshes/stanford-bunny.obj"
     )]
     bunny: PathBuf,
+    /// Sources of the program that comes with the paper (1110011/SoftwareRayTracing), outside this repository: run it beside
+    /// ours, and say how many queries of the scene each makes a second; else what the record says of it is left
+    #[arg(long, value_name = "DIR")]
+    seed_program: Option<PathBuf>,
     /// Write the rows as JSON, too
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
 }
 
 const RECORD: &str = "docs/performance.md";
+/// Sections that a run may leave as they are.
+const BESIDE: &str = "## Beside the program of the paper's author";
+const TRIED: &str = "## Tried";
+/// The first record, 2026-11-23 at commit 0637617: scene, a primary ray, a path.
+const FIRST: [(&str, u64, u64); 12] = [
+    ("cornell", 2143, 15679),
+    ("seed", 1625, 10621),
+    ("spheres", 1305, 4416),
+    ("torus-knot", 3334, 11634),
+    ("furnace", 1024, 1543),
+    ("bidir-room.xml", 2287, 21244),
+    ("cornell-glass.xml", 1927, 14158),
+    ("cornell.xml", 2463, 17811),
+    ("point-lights.xml", 1416, 3068),
+    ("seed-scene.xml", 1707, 9983),
+    ("spot-sun-sky.xml", 3766, 10952),
+    ("bunny.xml", 4044, 13437),
+];
 /// Pixels a side, and samples a pixel of the two renders whose difference is counted.
 const SIDE: u64 = 64;
 const SAMPLES: [u64; 2] = [1, 5];
@@ -71,7 +93,18 @@ pub fn run(options: &Options) -> Result<()> {
         });
     }
     let path = shell::root().join(RECORD);
-    std::fs::write(&path, text(&header, &rows)).with_context(|| path.display().to_string())?;
+    let before = std::fs::read_to_string(&path).unwrap_or_default();
+    let beside = match &options.seed_program {
+        Some(sources) => Some(bench_seed::run(sources)?.text()),
+        None => section(&before, BESIDE).map(str::to_string),
+    };
+    let mut page = text(&header, &rows);
+    for (title, body) in [(BESIDE, beside.as_deref()), (TRIED, section(&before, TRIED))] {
+        if let Some(body) = body {
+            page += &format!("\n{title}\n\n{}\n", body.trim());
+        }
+    }
+    std::fs::write(&path, page).with_context(|| path.display().to_string())?;
     println!("written to {RECORD}");
     if let Some(file) = &options.json {
         let row = |row: &Row| {
@@ -135,7 +168,7 @@ fn instructions(host_sim: &Path, case: &Case, spp: u64, more: &[&str]) -> Result
 
 fn text(header: &Header, rows: &[Row]) -> String {
     let mut page = String::from(
-        "# Performance on the host\n\nWritten by `cargo xtask bench-host`; not to be edited.\n\n",
+        "# Performance on the host\n\nWritten by `cargo xtask bench-host`; not to be edited, but for the section *Tried*, which it leaves.\n\n",
     );
     page += &format!(
         "{}, commit {}, {}, release profile.\n\n",
@@ -144,9 +177,36 @@ fn text(header: &Header, rows: &[Row]) -> String {
     page += "Instructions of x86-64, counted by callgrind on one thread: the difference of two renders of 64 × 64 pixels at\n\
         1 and 5 independent samples a pixel, for one more sample. A primary ray is `--max-depth 1`: random numbers, camera,\n\
         nearest hit, emission and film. A path is the scene's own depth with light samples and shadow rays.\n\n";
-    page += "| scene | a primary ray | a path |\n|---|--:|--:|\n";
+    page += "First: the record of 2026-11-23, commit 0637617.\n\n";
+    page += "| scene | a primary ray | first | a path | first | of it |\n|---|--:|--:|--:|--:|--:|\n";
     for Row { scene, primary, path } in rows {
-        page += &format!("| {scene} | {primary} | {path} |\n");
+        let first = FIRST.iter().find(|(name, ..)| name == scene);
+        page += &match first {
+            Some((_, ray, first)) => {
+                let share = *path as f64 / *first as f64;
+                format!("| {scene} | {primary} | {ray} | {path} | {first} | {share:.3} |\n")
+            }
+            None => format!("| {scene} | {primary} | | {path} | | |\n"),
+        };
     }
     page
+}
+
+/// What stands under a title, up to the next one.
+fn section<'a>(page: &'a str, title: &str) -> Option<&'a str> {
+    let (_, rest) = page.split_once(&format!("{title}\n"))?;
+    Some(rest.split("\n## ").next().unwrap_or(rest))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_section_ends_at_the_next_title() {
+        let page = "# Page\n\n## Beside the program of the paper's author\n\nsome\n\n## Tried\n\nmore\n";
+        assert_eq!(section(page, BESIDE).map(str::trim), Some("some"));
+        assert_eq!(section(page, TRIED).map(str::trim), Some("more"));
+        assert_eq!(section(page, "## Other"), None);
+    }
 }

@@ -6,6 +6,7 @@
 pub mod accuracy;
 pub mod bench_bdpt;
 pub mod bench_host;
+pub mod bench_seed;
 pub mod board;
 pub mod ci;
 pub mod cli;
