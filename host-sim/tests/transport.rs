@@ -58,6 +58,7 @@ fn the_core_agrees_with_the_reference() {
         ("spheres", &without_caustics),
         ("seed", &both),
         ("torus-knot", &matt),
+        ("implicits", &both),
     ] {
         let desc = builtin::scene(name).unwrap();
         let (truth, truth_error) = estimate(|seed| {

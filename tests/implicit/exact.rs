@@ -68,7 +68,7 @@ fn segment(blob: &Blob, p: Vec3) -> f64 {
     norm(sub(ap, scaled(ab, s))) - f64::from(blob.radius)
 }
 
-fn frame(x: Dir, y: Dir) -> [Vec3; 3] {
+pub fn frame(x: Dir, y: Dir) -> [Vec3; 3] {
     let (x, y) = (unit(dir(x)), unit(dir(y)));
     let y = unit(sub(y, scaled(x, dot(x, y))));
     [x, y, cross(x, y)]
