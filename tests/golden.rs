@@ -14,7 +14,7 @@ use microlux::color::Radiance;
 use microlux::film::Tile;
 use microlux::integrator::Path;
 use microlux::render::{Renderer, Settings};
-use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
+use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
 use microlux::scene::Scene;
 use microlux::scene::builtin::Builtin;
 
@@ -45,19 +45,33 @@ struct Case {
     seed: u32,
 }
 
+/// Each scene by the samplers of its time; the two youngest where shapes and lights are most.
 fn cases() -> Vec<Case> {
     let mut cases = Vec::new();
-    for scene in Builtin::ALL {
+    let mut add = |scene, integrator, sampler| {
+        cases.extend(SEEDS.map(|seed| Case {
+            scene,
+            integrator,
+            sampler,
+            seed,
+        }));
+    };
+    for scene in [Builtin::Cornell, Builtin::Spheres, Builtin::Torus] {
         for (integrator, _) in INTEGRATORS {
-            for sampler in SAMPLERS {
-                cases.extend(SEEDS.map(|seed| Case {
-                    scene,
-                    integrator,
-                    sampler,
-                    seed,
-                }));
-            }
+            SAMPLERS
+                .into_iter()
+                .for_each(|sampler| add(scene, integrator, sampler));
         }
+    }
+    for scene in [Builtin::Materials, Builtin::Sky, Builtin::Map] {
+        ["independent", "sobol"]
+            .into_iter()
+            .for_each(|sampler| add(scene, "path", sampler));
+    }
+    for scene in [Builtin::Cornell, Builtin::Spheres] {
+        ["cmj", "blue"]
+            .into_iter()
+            .for_each(|sampler| add(scene, "path", sampler));
     }
     cases
 }
@@ -71,6 +85,8 @@ impl Case {
         let sampler = match self.sampler {
             "independent" => Independent::new(self.seed).into(),
             "stratified" => Stratified::new(self.seed, SETTINGS.spp).into(),
+            "cmj" => Cmj::new(self.seed, SETTINGS.spp).into(),
+            "blue" => ZSobol::new(self.seed, SETTINGS.spp).into(),
             _ => Sobol::new(self.seed).into(),
         };
         Renderer::new(scene, camera, path, sampler, SETTINGS)

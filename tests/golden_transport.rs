@@ -9,7 +9,7 @@ use microlux::color::Radiance;
 use microlux::film::Exposure;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer};
 use microlux::render::{Renderer, Settings};
-use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
+use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
 use microlux::scene::Scene;
 use microlux::scene::builtin::Builtin;
 
@@ -35,6 +35,8 @@ fn sampler(name: &str) -> AnySampler {
     match name {
         "independent" => Independent::new(SEED).into(),
         "stratified" => Stratified::new(SEED, SETTINGS.spp).into(),
+        "cmj" => Cmj::new(SEED, SETTINGS.spp).into(),
+        "blue" => ZSobol::new(SEED, SETTINGS.spp).into(),
         _ => Sobol::new(SEED).into(),
     }
 }
@@ -105,22 +107,37 @@ fn pictures(scene: &Scene, camera: Camera, integrator: &str, kind: &str) -> [u32
     }
 }
 
+/// Each scene by the samplers of its time; the two youngest on one. No path of light starts in a sky: there a frame has
+/// nothing more than tiles have.
+fn rows() -> Vec<(Builtin, &'static str, &'static str)> {
+    let mut rows = Vec::new();
+    let mut add = |scene, integrators: &[&'static str], samplers: &[&'static str]| {
+        for integrator in integrators {
+            rows.extend(samplers.iter().map(|sampler| (scene, *integrator, *sampler)));
+        }
+    };
+    for scene in [Builtin::Cornell, Builtin::Spheres, Builtin::Torus] {
+        add(scene, &INTEGRATORS, &SAMPLERS);
+    }
+    add(Builtin::Materials, &INTEGRATORS, &["independent", "sobol"]);
+    add(Builtin::Sky, &["bdpt", "light", "ao"], &["sobol"]);
+    add(Builtin::Map, &["bdpt", "light"], &["sobol"]);
+    add(Builtin::Cornell, &INTEGRATORS, &["cmj", "blue"]);
+    rows
+}
+
 #[test]
 fn pictures_are_the_record() {
     let mut table = HEADER.to_string();
     let mut seen = BTreeSet::new();
-    for scene in Builtin::ALL {
-        for integrator in INTEGRATORS {
-            for kind in SAMPLERS {
-                let [one, other] = scene
-                    .with(|scene, camera| pictures(scene, camera, integrator, kind))
-                    .unwrap();
-                let row = format!("{:<8} {integrator:<6} {kind:<11} {one:08x}\n", scene.name());
-                assert_eq!(one, other, "depends on how it is cut: {row}");
-                assert!(seen.insert(one), "repeats a picture: {row}");
-                table += &row;
-            }
-        }
+    for (scene, integrator, kind) in rows() {
+        let [one, other] = scene
+            .with(|scene, camera| pictures(scene, camera, integrator, kind))
+            .unwrap();
+        let row = format!("{:<8} {integrator:<6} {kind:<11} {one:08x}\n", scene.name());
+        assert_eq!(one, other, "depends on how it is cut: {row}");
+        assert!(seen.insert(one), "repeats a picture: {row}");
+        table += &row;
     }
     if std::env::var_os("MICROLUX_BLESS").is_some_and(|value| value == "1") {
         std::fs::write(RECORD, &table).unwrap();

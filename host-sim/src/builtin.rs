@@ -1,5 +1,7 @@
 //! Scenes that need no file.
 
+mod balls;
+mod implicits;
 mod torus_knot;
 
 use crate::desc::{
@@ -28,6 +30,19 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
             "a knotted tube of 15,360 triangles over a floor, square lamp",
         ),
         (
+            "materials",
+            "a ball of each material: rough diffuse, gloss, metals, frosted and clear glass",
+        ),
+        ("sky", "balls on a floor under a sky with a sun"),
+        (
+            "map",
+            "the same balls in a studio with two windows, an environment map",
+        ),
+        (
+            "implicits",
+            "six solids given by a function, found by marching: one of glass, one of steel, one that glows",
+        ),
+        (
             "furnace",
             "a grey ball in a white sky: exactly 0.5 on the ball and 1 around it",
         ),
@@ -41,6 +56,10 @@ pub fn scene(name: &str) -> Option<SceneDesc> {
         "seed" => Some(seed()),
         "spheres" => Some(spheres()),
         "torus-knot" => Some(torus_knot_on_floor()),
+        "materials" => Some(balls::materials()),
+        "sky" => Some(balls::sky()),
+        "map" => Some(balls::map()),
+        "implicits" => Some(implicits::implicits()),
         "furnace" => Some(furnace()),
         _ => None,
     }

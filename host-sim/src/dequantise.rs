@@ -8,6 +8,7 @@ use microlux::geom::{Dir, Point};
 use microlux::light::Environment;
 use std::sync::Arc;
 
+mod implicit;
 mod material;
 
 /// From units of the scene frame to metres.
@@ -69,7 +70,7 @@ pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
         _ => None,
     };
     let shapes = parts.shapes.iter().map(|shape| Shape {
-        geometry: geometry(&frame, &shape.geometry, parts.meshes),
+        geometry: geometry(&frame, &shape.geometry, parts.meshes, parts.blobs),
         material: shape.material as usize,
         emission: shape.light.and_then(emission),
         id: u32::from(shape.id),
@@ -102,6 +103,7 @@ fn geometry(
     frame: &Frame,
     geometry: &microlux::shape::Geometry,
     meshes: &[microlux::scene::Mesh],
+    blobs: &[microlux::shape::Blob],
 ) -> Geometry {
     use microlux::shape::Geometry as Core;
     match *geometry {
@@ -129,7 +131,7 @@ fn geometry(
                 v: side(r.v, r.half[1]),
             }
         }
-        Core::Implicit(_) => unreachable!("quantise lets none of them in"),
+        Core::Implicit(ref solid) => Geometry::Implicit(Arc::new(implicit::implicit(frame, solid, blobs))),
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
             let vertices = mesh

@@ -11,9 +11,10 @@ use microlux::light::{Environment, Light, Sky};
 use microlux::material::Material;
 use microlux::num::{Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
-use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 use thiserror::Error;
 
+mod implicit;
 mod material;
 
 /// What the fixed-point core can't take.
@@ -61,6 +62,8 @@ pub struct CoreScene {
     materials: Vec<Material>,
     lights: Vec<Light>,
     meshes: Vec<OwnedMesh>,
+    /// What metaballs and smooth unions are made of.
+    blobs: Vec<Blob>,
     nodes: Vec<Node>,
     arrangement: Arrangement,
     names: Vec<String>,
@@ -116,6 +119,7 @@ impl CoreScene {
         let mut shapes = Vec::new();
         let mut lights = Vec::new();
         let mut meshes = Vec::new();
+        let mut blobs = Vec::new();
         for (index, shape) in desc.shapes.iter().enumerate() {
             let light = shape.emission.map(|emission| {
                 lights.push(Light::Area {
@@ -128,6 +132,13 @@ impl CoreScene {
                 GeometryDesc::Mesh(mesh) => {
                     meshes.push(round.mesh(&shape.name, mesh)?);
                     Geometry::Mesh((meshes.len() - 1) as u16)
+                }
+                GeometryDesc::Implicit(solid) => {
+                    let solid = implicit::implicit(&round, solid, &mut blobs);
+                    Geometry::Implicit(solid.map_err(|what| QuantiseError::Unsupported {
+                        name: shape.name.clone(),
+                        what,
+                    })?)
                 }
                 _ => round.geometry(shape)?,
             };
@@ -196,8 +207,15 @@ impl CoreScene {
         let mut nodes = vec![Node::EMPTY; max_nodes(shapes.len())];
         let mut boxes = vec![Boxed::EMPTY; shapes.len()];
         let borrowed: Vec<_> = meshes.iter().map(OwnedMesh::borrow).collect();
-        let arrangement = arrange(&mut shapes, &borrowed, &[], &mut lights, &mut boxes, &mut nodes)
-            .map_err(|error| SceneError::Nodes { needed: error.needed })?;
+        let arrangement = arrange(
+            &mut shapes,
+            &borrowed,
+            &blobs,
+            &mut lights,
+            &mut boxes,
+            &mut nodes,
+        )
+        .map_err(|error| SceneError::Nodes { needed: error.needed })?;
         nodes.truncate(arrangement.nodes);
         let camera = round.camera(desc);
         let mut core = CoreScene {
@@ -208,6 +226,7 @@ impl CoreScene {
             materials,
             lights,
             meshes,
+            blobs,
             nodes,
             arrangement,
             names,
@@ -262,7 +281,7 @@ impl CoreScene {
             },
             choice: &self.choice,
             meshes,
-            blobs: &[],
+            blobs: &self.blobs,
             grid: self.arrangement.grid,
             nodes: &self.nodes,
         };
@@ -361,14 +380,7 @@ impl Rounding {
                     .ok_or_else(degenerate)?
                     .into()
             }
-            GeometryDesc::Mesh(_) => return Err(degenerate()),
-            GeometryDesc::Implicit(solid) => {
-                let kind = variant(solid);
-                return Err(QuantiseError::Unsupported {
-                    name: shape.name.clone(),
-                    what: format!("the fixed-point core has no {kind} yet; use a mesh"),
-                });
-            }
+            GeometryDesc::Mesh(_) | GeometryDesc::Implicit(_) => return Err(degenerate()),
         })
     }
 
@@ -475,11 +487,4 @@ fn radiance(color: Vec3) -> Radiance {
         color.map(|c| (c.max(0.0) * f64::from(-exponent).exp2()).round() as u32),
         exponent,
     )
-}
-
-/// The name of an enum's variant, in small letters.
-fn variant(value: &impl std::fmt::Debug) -> String {
-    let said = format!("{value:?}");
-    let end = said.find([' ', '{', '(']).unwrap_or(said.len());
-    said[..end].to_lowercase()
 }

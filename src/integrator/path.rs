@@ -1,3 +1,4 @@
+use super::mis::weight_over_density;
 use super::{Integrator, SplatSink, View, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
@@ -163,7 +164,7 @@ impl Path {
             return arriving.scale(chance.recip());
         }
         let pdf = sample.pdf * chance;
-        arriving.scale(power_heuristic(pdf, bsdf_pdf) / pdf)
+        arriving.scale(weight_over_density(pdf, bsdf_pdf))
     }
 }
 

@@ -69,10 +69,58 @@ pub fn ratio(a: u32, b: u32) -> u32 {
     half.min((1 << 31) - 1) << 1
 }
 
+/// ⌊2^16 · a/b⌋, exactly, for a and b in 2^15 ..= 2^16 − 1: 2^15 < answer < 2^17.
+///
+/// One function, so that a core without a divider can have its own form of the same answer; the twins were held equal for
+/// every a and b.
+#[inline(always)]
+pub(crate) const fn ratio_q16(a: u32, b: u32) -> u32 {
+    #[cfg(narrow_mul)]
+    return narrow_ratio_q16(a, b);
+    #[cfg(not(narrow_mul))]
+    return match (a << 16).checked_div(b) {
+        Some(ratio) => ratio,
+        None => u32::MAX,
+    };
+}
+
 /// 2^31/b, to 2^-15 of it, for b in 2^15 ..= 2^16 − 1: the table's guess, one Newton step.
 #[inline(always)]
 pub(crate) const fn short_recip(b: u32) -> i32 {
     let r = TABLE[((b >> 8) & 127) as usize] as i32;
     let e = (1i32 << 31).wrapping_sub(b.wrapping_mul(r as u32) as i32);
     r + ((r * (e >> 9)) >> 22)
+}
+
+/// [`ratio_q16`] where dividing takes long: by [`short_recip`], once more by the remainder, one off put right.
+#[cfg(any(narrow_mul, test))]
+#[inline]
+const fn narrow_ratio_q16(a: u32, b: u32) -> u32 {
+    let r = short_recip(b);
+    let ratio = (a * r as u32) >> 15;
+    // Within 8 of the answer: the rest is under 2^19.
+    let rest = (a << 16).wrapping_sub(ratio.wrapping_mul(b)) as i32;
+    let ratio = ratio.wrapping_add_signed(((rest >> 4) * (r >> 1)) >> 26);
+    let rest = (a << 16).wrapping_sub(ratio.wrapping_mul(b)) as i32;
+    ratio + (rest >= b as i32) as u32 - (rest < 0) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_forms_divide_alike() {
+        // Every divisor, and so many dividends that each is met by some.
+        for b in 1 << 15..1 << 16 {
+            for a in (1 << 15 | b % 251..1 << 16)
+                .step_by(251)
+                .chain([1 << 15, b - 1, b, 65535])
+            {
+                let a = a.clamp(1 << 15, 65535);
+                assert_eq!(ratio_q16(a, b), (a << 16) / b, "{a} {b}");
+                assert_eq!(narrow_ratio_q16(a, b), (a << 16) / b, "{a} {b}");
+            }
+        }
+    }
 }

@@ -1,4 +1,5 @@
-use super::{leading_zeros, recip, rsqrt};
+use super::recip::ratio_q16;
+use super::{leading_zeros, rsqrt};
 
 /// A number ≥ 0 with 16 bits of precision and an exponent of 16 bits: densities, solid angles, 1/d², weights.
 ///
@@ -158,9 +159,7 @@ impl Wide {
         if self.mantissa == 0 {
             return Wide::MAX;
         }
-        // 1/(m 2^(e-15)) = mantissa · 2^(15 - e - shift)
-        let r = recip(self.mantissa as u32);
-        Wide::new(r.mantissa, 15 - self.exponent as i32 - r.shift as i32)
+        Wide::ONE.div(self)
     }
 
     #[inline]
@@ -172,11 +171,16 @@ impl Wide {
         if other.mantissa == 0 {
             return Wide::MAX;
         }
-        // The quotient of the mantissas from the full reciprocal, so that only one rounding is made.
-        let r = recip(other.mantissa as u32);
-        let quotient = super::mul_hi(r.mantissa, (self.mantissa as u32) << 15);
         let exponent = self.exponent as i32 - other.exponent as i32;
-        Wide::new(quotient, exponent + 17 - r.shift as i32)
+        let (a, b) = (self.mantissa as u32, other.mantissa as u32);
+        let ratio = ratio_q16(a, b);
+        // Rounded by the bit below the last one, or by the remainder where there is none; neither carries.
+        if a >= b {
+            Wide::pack((ratio + 1) >> 1, exponent)
+        } else {
+            let rest = (a << 16) - ratio * b;
+            Wide::pack(ratio + (2 * rest >= b) as u32, exponent - 1)
+        }
     }
 
     #[inline]

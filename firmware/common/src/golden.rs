@@ -6,7 +6,7 @@ use microlux::{
     color::Radiance,
     integrator::Path,
     render::{Renderer, Settings},
-    sampler::{AnySampler, Independent, Sobol, Stratified},
+    sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol},
     scene::builtin::Builtin,
 };
 
@@ -43,6 +43,8 @@ pub enum Pattern {
     Independent,
     Stratified,
     Sobol,
+    Cmj,
+    Blue,
 }
 
 /// What a picture came to.
@@ -76,6 +78,8 @@ impl Case {
             Pattern::Independent => Independent::new(self.seed).into(),
             Pattern::Stratified => Stratified::new(self.seed, SETTINGS.spp).into(),
             Pattern::Sobol => Sobol::new(self.seed).into(),
+            Pattern::Cmj => Cmj::new(self.seed, SETTINGS.spp).into(),
+            Pattern::Blue => ZSobol::new(self.seed, SETTINGS.spp).into(),
         }
     }
 

@@ -1,6 +1,6 @@
 //! The list that every target runs and prints, one line each: `name crc32=89abcdef`.
 
-use microlux::scene::builtin::Builtin::{Cornell, Spheres, Torus};
+use microlux::scene::builtin::Builtin::{Cornell, Map, Materials, Sky, Spheres, Torus};
 
 use crate::{
     crc::Crc,
@@ -8,7 +8,7 @@ use crate::{
     golden::{
         Case,
         Integrator::{self, Direct, Path},
-        Pattern::{self, Independent, Sobol, Stratified},
+        Pattern::{self, Blue, Cmj, Independent, Sobol, Stratified},
     },
     random::Xorshift,
     rays::{
@@ -106,6 +106,16 @@ pictures! {
     "torus-path-independent" Torus Path Independent;
     "torus-path-stratified" Torus Path Stratified;
     "torus-path-sobol" Torus Path Sobol;
+    "materials-path-independent" Materials Path Independent;
+    "materials-path-sobol" Materials Path Sobol;
+    "sky-path-independent" Sky Path Independent;
+    "sky-path-sobol" Sky Path Sobol;
+    "map-path-independent" Map Path Independent;
+    "map-path-sobol" Map Path Sobol;
+    "cornell-path-cmj" Cornell Path Cmj;
+    "cornell-path-blue" Cornell Path Blue;
+    "spheres-path-cmj" Spheres Path Cmj;
+    "spheres-path-blue" Spheres Path Blue;
 }
 
 const fn rays(name: &'static str, motif: Motif, kind: Kind) -> Job {

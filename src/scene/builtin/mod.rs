@@ -4,16 +4,23 @@
 //! Each is made by a function of its own, so that a program carries only those it names; [`Builtin`] names all.
 
 mod cornell;
+mod map;
+mod materials;
 mod mesh;
+mod sky;
 mod spheres;
 mod torus;
 
-use super::{Scene, SceneError};
+use super::{Borrowed, Scene, SceneError};
 use crate::bvh::{Node, max_nodes};
 use crate::camera::Camera;
+use crate::light::Environment;
 
 pub use cornell::cornell;
+pub use map::studio;
+pub use materials::materials;
 pub use mesh::OwnedMesh;
+pub use sky::{open, sky};
 pub use spheres::spheres;
 pub use torus::{Lamp, Torus, lamp, torus, torus_mesh};
 
@@ -26,16 +33,32 @@ pub enum Builtin {
     Spheres,
     /// See [`torus`].
     Torus,
+    /// See [`materials`].
+    Materials,
+    /// [`open`] under [`sky`].
+    Sky,
+    /// [`open`] in [`studio`], an environment map.
+    Map,
 }
 
 impl Builtin {
-    pub const ALL: [Builtin; 3] = [Builtin::Cornell, Builtin::Spheres, Builtin::Torus];
+    pub const ALL: [Builtin; 6] = [
+        Builtin::Cornell,
+        Builtin::Spheres,
+        Builtin::Torus,
+        Builtin::Materials,
+        Builtin::Sky,
+        Builtin::Map,
+    ];
 
     pub const fn name(self) -> &'static str {
         match self {
             Builtin::Cornell => "cornell",
             Builtin::Spheres => "spheres",
             Builtin::Torus => "torus",
+            Builtin::Materials => "materials",
+            Builtin::Sky => "sky",
+            Builtin::Map => "map",
         }
     }
 
@@ -50,6 +73,9 @@ impl Builtin {
             Builtin::Cornell => with_cornell(render),
             Builtin::Spheres => with_spheres(render),
             Builtin::Torus => with_torus(render),
+            Builtin::Materials => with_materials(render),
+            Builtin::Sky => with_open(Environment::Sky(&sky()), render),
+            Builtin::Map => with_open(studio().map_or(Environment::None, Environment::Map), render),
         }
     }
 }
@@ -77,4 +103,22 @@ fn with_torus<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneErr
     let meshes = [ring.mesh(), lamp.mesh()];
     let mut nodes = [Node::EMPTY; max_nodes(3)];
     Ok(render(&builder.build_with(&meshes, &mut nodes)?, camera))
+}
+
+#[inline(never)]
+fn with_materials<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = materials()?;
+    let mut nodes = [Node::EMPTY; max_nodes(12)];
+    Ok(render(&builder.build(&mut nodes)?, camera))
+}
+
+#[inline(never)]
+fn with_open<R>(environment: Environment, render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = open()?;
+    let mut nodes = [Node::EMPTY; max_nodes(5)];
+    let borrowed = Borrowed {
+        environment,
+        ..Borrowed::default()
+    };
+    Ok(render(&builder.build_from(borrowed, &mut nodes)?, camera))
 }

@@ -23,8 +23,7 @@ impl SmoothUnion {
     /// Of `count` of the scene's blobs, from `first` on.
     pub fn new(blobs: &[Blob], first: u16, count: u16, k: i32) -> SmoothUnion {
         let parts = super::chosen(blobs, first, count);
-        // Each blend lies at most k/4 farther out.
-        let fill = (k >> 2).saturating_add(1).saturating_mul(count as i32);
+        let fill = fill(count, k);
         let (center, reach) = around(parts, |blob| blob.radius.saturating_add(fill));
         SmoothUnion {
             first,
@@ -36,8 +35,14 @@ impl SmoothUnion {
     }
 
     pub(super) fn fill(&self) -> i32 {
-        (self.k >> 2).saturating_add(1).saturating_mul(self.count as i32)
+        fill(self.count, self.k)
     }
+}
+
+/// How far out of its parts a union of `count` reaches, units: k/4 a blend.
+fn fill(count: u16, k: i32) -> i32 {
+    let blends = i32::from(count).saturating_sub(1);
+    (k >> 2).saturating_add(1).saturating_mul(blends)
 }
 
 impl Solid for SmoothUnion {
