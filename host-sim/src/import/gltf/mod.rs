@@ -122,7 +122,7 @@ fn validation(what: &gltf::json::validation::Error) -> &'static str {
 
 /// The extension that `extensionsRequired[i]` names.
 fn required(bytes: &[u8], place: &str) -> Option<String> {
-    let index = place.strip_prefix("extensionsRequired[")?.strip_suffix(']')?;
+    let (index, _) = place.strip_prefix("extensionsRequired[")?.split_once(']')?;
     let document = Gltf::from_slice_without_validation(bytes).ok()?;
     let name = document.extensions_required().nth(index.parse().ok()?)?;
     Some(name.to_string())
@@ -132,6 +132,7 @@ fn required(bytes: &[u8], place: &str) -> Option<String> {
 fn named(kind: &str, name: Option<&str>, index: usize) -> String {
     match name {
         Some(name) if !name.is_empty() => format!("{kind} \"{name}\""),
+        _ if kind == "mesh" => format!("meshes[{index}]"),
         _ => format!("{kind}s[{index}]"),
     }
 }
