@@ -42,8 +42,9 @@ pub enum Command {
 }
 
 const RENDER_EXAMPLES: &str = "\
-SCENE is a built-in name (host-sim scenes lists them) or a file: .xml (Mitsuba 3), or .obj and .ply, which are framed \
-and lit by default.
+SCENE is a built-in name (host-sim scenes lists them) or a file: .xml (Mitsuba 3), .gltf and .glb, .obj and \
+.ply. A model without a camera is framed, one without lights lit by a sky and a sun; what the file means and the \
+renderer lacks is told, a line each.
 
 Without -o the picture is written to NAME.png in the current directory, NAME being the scene's, over a file of that \
 name if there is one, and also shown here where the standard output is a terminal.
@@ -53,6 +54,7 @@ the scene or a file is wrong, 2 that the command line is.
 
 Examples:
   host-sim render spheres --width 320 --spp 16
+  host-sim render model.glb --spp 256
   host-sim render room.xml -o room.png -o room.exr --aov albedo,normal,depth,id
   host-sim render cornell --display mono -o e-paper.png
   host-sim render cornell --reference --spp 1024 -o truth.exr";
@@ -179,7 +181,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = REPORT_EXAMPLES, after_long_help = REPORT_EXAMPLES)]
 pub struct ReportArgs {
-    /// Built-in scenes or files: .xml (Mitsuba 3), .obj, .ply [default: all built-in scenes]
+    /// Built-in scenes or files: .xml (Mitsuba 3), .gltf, .glb, .obj, .ply [default: all built-in scenes]
     #[arg(value_name = "SCENE")]
     pub scenes: Vec<String>,
     /// Write report.html and report.json into this folder.
@@ -223,7 +225,7 @@ pub struct ReportArgs {
 /// Which scene, and how to read it.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// A built-in scene, or a file: .xml (Mitsuba 3), .obj, .ply.
+    /// A built-in scene, or a file: .xml (Mitsuba 3), .gltf, .glb, .obj, .ply.
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Warn about what a scene file has that is not supported, and go on without it.

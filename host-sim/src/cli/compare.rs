@@ -18,7 +18,7 @@ use crate::run::{self, Options, PrimaryReport, Stats};
 type Made = Result<(Picture, Stats), run::Error>;
 
 pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
-    let desc = source::load(&args.scene)?;
+    let desc = source::load(&args.scene, args.quiet)?;
     let options = args.settings.options(&desc);
     let reference_options = Options {
         spp: args.reference_spp.unwrap_or(options.spp),

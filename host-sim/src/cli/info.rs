@@ -11,7 +11,7 @@ use crate::picture::Target;
 use crate::run::{self, Info, Options};
 
 pub fn info(args: &InfoArgs) -> Result<(), Failure> {
-    let desc = source::load(&args.scene)?;
+    let desc = source::load(&args.scene, false)?;
     let options = args.settings.options(&desc);
     let json = args.json.as_deref().map(Target::check).transpose()?;
     let info = run::describe(&desc, &options).map_err(|error| Failure::of_run(&args.scene.scene, error))?;

@@ -18,7 +18,7 @@ use crate::show::{DisplayKind, Look};
 
 pub fn render(args: &RenderArgs) -> Result<(), Failure> {
     layers_have_a_place(args);
-    let desc = source::load(&args.scene)?;
+    let desc = source::load(&args.scene, args.quiet)?;
     let options = Options {
         look: Look {
             exposure: args.exposure,

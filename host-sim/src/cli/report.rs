@@ -112,7 +112,7 @@ fn subject(args: &ReportArgs, defaults: &Defaults, name: &str) -> Result<Subject
         lenient: args.lenient,
         definitions: Vec::new(),
     };
-    let desc = source::load(&scene)?;
+    let desc = source::load(&scene, true)?;
     let settings = Settings {
         width: Some(args.width.unwrap_or(desc.width.min(defaults.width))),
         seed: args.seed,

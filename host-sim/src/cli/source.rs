@@ -12,12 +12,13 @@ use crate::quantise;
 use crate::run::MAX_SIDE;
 
 /// Endings of the files that are scenes.
-const ENDINGS: [&str; 3] = ["xml", "obj", "ply"];
+const ENDINGS: [&str; 5] = ["xml", "gltf", "glb", "obj", "ply"];
 
-/// Loads the scene; what is to be said about it goes to the standard error, a line each.
-pub fn load(args: &SceneArgs) -> Result<SceneDesc, Failure> {
+/// Loads the scene; what is to be said about it goes to the standard error, a line each: what is lost always, what was
+/// made of it unless `quiet`.
+pub fn load(args: &SceneArgs, quiet: bool) -> Result<SceneDesc, Failure> {
     let scene = if is_file(&args.scene) {
-        from_file(args)?
+        from_file(args, quiet)?
     } else {
         built_in(args)?
     };
@@ -40,7 +41,7 @@ fn is_file(word: &str) -> bool {
     named_like_one || (builtin::scene(word).is_none() && path.exists())
 }
 
-fn from_file(args: &SceneArgs) -> Result<SceneDesc, Failure> {
+fn from_file(args: &SceneArgs, quiet: bool) -> Result<SceneDesc, Failure> {
     let parameters = args.definitions.iter().cloned().collect::<BTreeMap<_, _>>();
     let options = import::Options {
         lenient: args.lenient,
@@ -48,6 +49,9 @@ fn from_file(args: &SceneArgs) -> Result<SceneDesc, Failure> {
     };
     let loaded =
         import::load(Path::new(&args.scene), &options).map_err(|error| Failure::Wrong(error.to_string()))?;
+    for note in loaded.notes.iter().filter(|_| !quiet) {
+        complain("note", note);
+    }
     for warning in loaded.warnings.iter().chain(&quantise::losses(&loaded.scene)) {
         complain("warning", warning);
     }

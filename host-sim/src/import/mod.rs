@@ -4,14 +4,17 @@
 //! scene that is silently not the one in the file is worse than none.
 
 mod error;
+mod gltf;
 pub(crate) mod math;
 mod mesh;
 mod mitsuba;
 mod obj;
+mod pbr;
 mod picture;
 mod ply;
 mod showcase;
 mod suggest;
+mod texture;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,10 +36,14 @@ pub struct Options {
 #[derive(Clone, Debug)]
 pub struct Loaded {
     pub scene: SceneDesc,
+    /// What of the file became what here, and what was added because the file has none.
+    pub notes: Vec<String>,
+    /// What is left out, or not as the file means it: the picture will differ by it.
     pub warnings: Vec<String>,
 }
 
-/// Reads a scene by its file name's ending: `.xml` (Mitsuba 3), or `.obj` and `.ply`, framed and lit by default.
+/// Reads a scene by its file name's ending: `.xml` (Mitsuba 3), `.gltf` and `.glb`, or `.obj` and `.ply`; what these lack
+/// of camera and light is added.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
     let extension = path
         .extension()
@@ -45,12 +52,17 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
         .to_ascii_lowercase();
     match extension.as_str() {
         "xml" => mitsuba::load(path, options),
-        "obj" | "ply" => {
+        "gltf" | "glb" | "obj" | "ply" => {
             if let Some(name) = options.parameters.keys().next() {
-                let message = format!("a mesh has no parameter \"{name}\"; only .xml scenes take parameters");
+                let message = format!(
+                    "a .{extension} file has no parameter \"{name}\"; only .xml scenes take parameters"
+                );
                 return Err(ImportError::new(path, message));
             }
-            showcase::load(path)
+            match extension.as_str() {
+                "gltf" | "glb" => gltf::load(path),
+                _ => showcase::load(path),
+            }
         }
         _ => {
             let what = match path.exists() {
@@ -59,7 +71,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
             };
             Err(ImportError::new(
                 path,
-                format!("{what}; use .xml (Mitsuba 3), .obj or .ply"),
+                format!("{what}; use .xml (Mitsuba 3), .gltf, .glb, .obj or .ply"),
             ))
         }
     }

@@ -1,4 +1,4 @@
-//! A lone mesh as a scene: on a floor, under a sky and a sun, seen from a three-quarter angle.
+//! What makes a scene of a model: a camera, a light and a floor, each where the file has none.
 
 use std::path::Path;
 
@@ -6,106 +6,176 @@ use super::math::{Affine, add, cross, dot, length, scaled, sub, unit};
 use super::mesh::Placement;
 use super::{ImportError, Loaded, read_mesh, stem};
 use crate::desc::{
-    BsdfDesc, CameraDesc, GeometryDesc, IntegratorDesc, IntegratorKind, LightDesc, MeshDesc, NamedMaterial,
-    SceneDesc, ShapeDesc, Vec3,
+    BsdfDesc, CameraDesc, GeometryDesc, IntegratorDesc, IntegratorKind, LightDesc, NamedMaterial, SceneDesc,
+    ShapeDesc, Vec3,
 };
 
-/// From the mesh towards the camera: from the right, the front and a little above.
+/// From the model towards the camera: from the right, the front and a little above.
 const VIEW: Vec3 = [0.55, 0.42, 0.9];
 const FOV: f64 = 32.0;
-/// Share of the half picture that the mesh may fill.
+/// Share of the half picture that the model may fill.
 const FILL: f64 = 0.82;
+/// Longer side of the picture, pixels.
+const SIDE: f64 = 256.0;
 
-/// Reads an `.obj` or `.ply` and puts it on show.
+/// What a model file has.
+#[derive(Debug, Default)]
+pub(super) struct Model {
+    pub materials: Vec<NamedMaterial>,
+    /// All of them meshes.
+    pub shapes: Vec<ShapeDesc>,
+    pub lights: Vec<LightDesc>,
+    /// With the picture's width over its height.
+    pub camera: Option<(CameraDesc, f64)>,
+    pub notes: Vec<String>,
+    pub warnings: Vec<String>,
+}
+
+impl Model {
+    /// The file's own camera and lights; else the model seen from a three-quarter angle, under a sky and a sun, and on a
+    /// floor where it has neither.
+    pub fn show(mut self, path: &Path) -> Result<Loaded, ImportError> {
+        if self.shapes.is_empty() {
+            return Err(ImportError::new(path, "no triangle has any area; check the mesh"));
+        }
+        let points: Vec<Vec3> = self.shapes.iter().flat_map(corners).copied().collect();
+        let (low, high) = bounds(&points);
+        let framed = framing(&points, scaled(add(low, high), 0.5));
+        let Some(framed) = framed else {
+            return Err(ImportError::new(
+                path,
+                "the model is too large to frame; scale it down",
+            ));
+        };
+        let mut note = |what: &str| self.notes.push(ImportError::new(path, what).to_string());
+        let dark = self.lights.is_empty() && self.shapes.iter().all(|shape| shape.emission.is_none());
+        let alone = dark && self.camera.is_none();
+        if self.camera.is_none() {
+            note("no camera in it: seen from the right, the front and a little above");
+        }
+        if dark {
+            note("no light in it: lit by a sky and a sun");
+            self.lights = daylight();
+        }
+        if alone {
+            note("neither camera nor light in it: put on a grey floor");
+            self.shapes.push(ShapeDesc {
+                name: "floor".to_string(),
+                geometry: floor(low, high),
+                material: self.materials.len(),
+                emission: None,
+            });
+            self.materials.push(grey("floor", 0.4));
+        }
+        let (camera, aspect) = self.camera.unwrap_or((framed, 1.0));
+        let max_depth = if self.materials.iter().any(is_glass) {
+            16
+        } else {
+            5
+        };
+        let scene = SceneDesc {
+            name: stem(path),
+            width: (SIDE * aspect.min(1.0)).round().max(1.0) as u32,
+            height: (SIDE / aspect.max(1.0)).round().max(1.0) as u32,
+            spp: None,
+            sampler: None,
+            integrator: IntegratorDesc {
+                kind: IntegratorKind::Path,
+                max_depth: Some(max_depth),
+                rr_depth: 5,
+                hide_emitters: false,
+                ao_radius: None,
+            },
+            camera,
+            materials: self.materials,
+            shapes: self.shapes,
+            lights: self.lights,
+        };
+        Ok(Loaded {
+            scene,
+            notes: self.notes,
+            warnings: self.warnings,
+        })
+    }
+}
+
+/// Reads an `.obj` or `.ply` as one mesh of one grey.
 pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
     let raw = read_mesh(path)?;
-    let as_it_is = Placement {
+    let (mesh, dropped) = raw.place(Placement {
         to_world: Affine::IDENTITY,
         face_normals: false,
         flip_normals: false,
+    });
+    let mut model = Model {
+        materials: vec![grey("surface", 0.7)],
+        ..Model::default()
     };
-    let (mesh, dropped) = raw.place(as_it_is);
-    if mesh.triangles.is_empty() {
-        return Err(ImportError::new(path, "no triangle has any area; check the mesh"));
-    }
-    let mut warnings: Vec<String> = raw
-        .notes
-        .iter()
-        .map(|note| ImportError::new(path, note.clone()).to_string())
-        .collect();
+    let mut warnings = raw.notes.clone();
     if dropped > 0 {
-        warnings.push(
-            ImportError::new(path, format!("{dropped} triangles without area are left out")).to_string(),
-        );
+        warnings.push(format!("{dropped} triangles without area are left out"));
     }
-    let Some(scene) = show(stem(path), mesh) else {
-        return Err(ImportError::new(
-            path,
-            "the mesh is too large to frame; scale it down",
-        ));
-    };
-    Ok(Loaded { scene, warnings })
+    model.warnings = warnings
+        .into_iter()
+        .map(|w| ImportError::new(path, w).to_string())
+        .collect();
+    if !mesh.triangles.is_empty() {
+        model.shapes.push(ShapeDesc {
+            name: stem(path),
+            geometry: GeometryDesc::Mesh(mesh),
+            material: 0,
+            emission: None,
+        });
+    }
+    model.show(path)
 }
 
-/// `None` where the mesh has no finite extent.
-fn show(name: String, mesh: MeshDesc) -> Option<SceneDesc> {
-    let (low, high) = bounds(&mesh.vertices);
-    let center = scaled(add(low, high), 0.5);
-    let radius = length(sub(high, low)) / 2.0;
-    let camera = framing(&mesh.vertices, center)?;
-
-    let floor_half = 8.0 * radius;
-    let floor = GeometryDesc::Rectangle {
-        center: [center[0], low[1], center[2]],
-        u: [0.0, 0.0, floor_half],
-        v: [floor_half, 0.0, 0.0],
-    };
-    let material = |name: &str, grey: f64| NamedMaterial {
+/// What a surface is of that says nothing.
+pub(super) fn grey(name: &str, reflectance: f64) -> NamedMaterial {
+    NamedMaterial {
         name: name.to_string(),
         two_sided: true,
         bsdf: BsdfDesc::Diffuse {
-            reflectance: [grey; 3],
+            reflectance: [reflectance; 3],
         },
-    };
-    Some(SceneDesc {
-        width: 256,
-        height: 256,
-        spp: None,
-        sampler: None,
-        integrator: IntegratorDesc {
-            kind: IntegratorKind::Path,
-            max_depth: Some(5),
-            rr_depth: 5,
-            hide_emitters: false,
-            ao_radius: None,
+    }
+}
+
+fn is_glass(material: &NamedMaterial) -> bool {
+    matches!(
+        material.bsdf,
+        BsdfDesc::Dielectric { .. } | BsdfDesc::RoughDielectric { .. }
+    )
+}
+
+fn corners(shape: &ShapeDesc) -> &[Vec3] {
+    match &shape.geometry {
+        GeometryDesc::Mesh(mesh) => &mesh.vertices,
+        _ => &[],
+    }
+}
+
+fn daylight() -> Vec<LightDesc> {
+    vec![
+        LightDesc::Constant {
+            radiance: [0.4, 0.5, 0.65],
         },
-        camera,
-        materials: vec![material("surface", 0.7), material("floor", 0.4)],
-        shapes: vec![
-            ShapeDesc {
-                name: name.clone(),
-                geometry: GeometryDesc::Mesh(mesh),
-                material: 0,
-                emission: None,
-            },
-            ShapeDesc {
-                name: "floor".to_string(),
-                geometry: floor,
-                material: 1,
-                emission: None,
-            },
-        ],
-        lights: vec![
-            LightDesc::Constant {
-                radiance: [0.4, 0.5, 0.65],
-            },
-            LightDesc::Directional {
-                direction: unit([-0.35, -1.0, -0.5])?,
-                irradiance: [1.9, 1.75, 1.5],
-            },
-        ],
-        name,
-    })
+        LightDesc::Directional {
+            direction: unit([-0.35, -1.0, -0.5]).unwrap_or([0.0, -1.0, 0.0]),
+            irradiance: [1.9, 1.75, 1.5],
+        },
+    ]
+}
+
+/// A square below everything, 16 times as wide as the model's sphere.
+fn floor(low: Vec3, high: Vec3) -> GeometryDesc {
+    let center = scaled(add(low, high), 0.5);
+    let half = 8.0 * (length(sub(high, low)) / 2.0);
+    GeometryDesc::Rectangle {
+        center: [center[0], low[1], center[2]],
+        u: [0.0, 0.0, half],
+        v: [half, 0.0, 0.0],
+    }
 }
 
 fn bounds(points: &[Vec3]) -> (Vec3, Vec3) {

@@ -1,6 +1,7 @@
 //! Files into scenes: what is read means what Mitsuba 3 means by it, what is not says where it stands.
 
 mod errors;
+mod gltf;
 mod material;
 mod mesh;
 mod own;

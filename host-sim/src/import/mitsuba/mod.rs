@@ -29,6 +29,7 @@ pub(super) fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError
     scene.name = stem(path);
     Ok(Loaded {
         scene,
+        notes: Vec::new(),
         warnings: context.warnings.into_inner(),
     })
 }

@@ -1,0 +1,54 @@
+//! What a texture is on average: the core has one colour a material.
+
+use crate::desc::Vec3;
+
+/// The mean of a picture's texels as they are stored, and of the light they stand for (sRGB), each 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Mean {
+    pub stored: Vec3,
+    pub linear: Vec3,
+}
+
+/// Of a PNG or JPEG file in memory.
+pub(super) fn mean(bytes: &[u8]) -> Result<Mean, String> {
+    let picture = image::load_from_memory(bytes).map_err(|error| format!("is no picture ({error})"))?;
+    let (mut stored, mut linear) = ([0.0; 3], [0.0; 3]);
+    let pixels = picture.to_rgb8();
+    for pixel in pixels.pixels() {
+        for i in 0..3 {
+            let share = f64::from(pixel.0[i]) / 255.0;
+            stored[i] += share;
+            linear[i] += from_srgb(share);
+        }
+    }
+    let count = (pixels.len() / 3).max(1) as f64;
+    Ok(Mean {
+        stored: stored.map(|sum| sum / count),
+        linear: linear.map(|sum| sum / count),
+    })
+}
+
+/// IEC 61966-2-1.
+fn from_srgb(signal: f64) -> f64 {
+    if signal <= 0.04045 {
+        signal / 12.92
+    } else {
+        ((signal + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_averaged_not_signals() {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let board = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([if x == 0 { 255 } else { 0 }, 188, 0]));
+        board.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+        let mean = mean(bytes.get_ref()).unwrap();
+        assert_eq!((mean.stored[0], mean.linear[0]), (0.5, 0.5));
+        assert!((mean.linear[1] - 0.5029).abs() < 1e-4, "{mean:?}");
+        assert!(super::mean(b"no picture").is_err());
+    }
+}
