@@ -24,6 +24,43 @@ use crate::{
 pub struct Job {
     pub name: &'static str,
     pub work: Work,
+    pub reach: Reach,
+}
+
+/// Which machines a job is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// All.
+    All,
+    /// All with room for it, in RAM and flash: with the feature `roomy`.
+    Roomy,
+    /// Of those, all whose emulator is quick: not the RP2040's.
+    Quick,
+}
+
+/// Whether a machine has room, and whether its emulator is quick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Means {
+    pub roomy: bool,
+    pub quick: bool,
+}
+
+impl Means {
+    /// Of the machine of that name.
+    pub fn of(machine: &str) -> Means {
+        Means {
+            roomy: machine != "microbit",
+            quick: machine != "rp2040",
+        }
+    }
+
+    pub fn reach(self, job: &Job) -> bool {
+        match job.reach {
+            Reach::All => true,
+            Reach::Roomy => self.roomy,
+            Reach::Quick => self.roomy && self.quick,
+        }
+    }
 }
 
 /// What a job does.
@@ -42,6 +79,7 @@ impl Job {
         Job {
             name,
             work: Work::Machine(test),
+            reach: Reach::All,
         }
     }
 
@@ -63,8 +101,8 @@ macro_rules! pictures {
     ($($name:literal $scene:ident $integrator:ident $sampler:ident;)*) => {
         /// Every row of the record.
         const PICTURES: &[Job] = &[$(
-            picture(concat!($name, "-1"), $scene, $integrator, $sampler, 1),
-            picture(concat!($name, "-3735928559"), $scene, $integrator, $sampler, 0xdead_beef),
+            picture(concat!($name, "-1"), $scene, $integrator, $sampler, 1, Reach::All),
+            picture(concat!($name, "-3735928559"), $scene, $integrator, $sampler, 0xdead_beef, Reach::All),
         )*];
     };
 }
@@ -75,6 +113,7 @@ const fn picture(
     integrator: Integrator,
     sampler: Pattern,
     seed: u32,
+    reach: Reach,
 ) -> Job {
     Job {
         name,
@@ -84,6 +123,7 @@ const fn picture(
             sampler,
             seed,
         }),
+        reach,
     }
 }
 
@@ -122,6 +162,7 @@ const fn rays(name: &'static str, motif: Motif, kind: Kind) -> Job {
     Job {
         name,
         work: Work::Rays(Bundle { motif, kind }),
+        reach: Reach::All,
     }
 }
 
@@ -137,9 +178,84 @@ const RAYS: [Job; 8] = [
     rays("mesh-paths", Motif::Mesh, Kind::Path),
 ];
 
-/// Every job, in the order in which they run. A job's place in it is also its [`region`].
+/// The first seed of each row, and who renders it.
+#[cfg(feature = "roomy")]
+macro_rules! transport {
+    ($($name:literal $scene:ident $integrator:ident $sampler:ident $reach:ident;)*) => {
+        /// Every row of the record of the other integrators.
+        const TRANSPORT: &[Job] = &[$(
+            picture($name, $scene, Integrator::$integrator, $sampler, 1, Reach::$reach),
+        )*];
+    };
+}
+
+#[cfg(feature = "roomy")]
+transport! {
+    "cornell-bdpt-independent" Cornell Bdpt Independent Roomy;
+    "cornell-bdpt-stratified" Cornell Bdpt Stratified Quick;
+    "cornell-bdpt-sobol" Cornell Bdpt Sobol Quick;
+    "cornell-frame-independent" Cornell Frame Independent Roomy;
+    "cornell-frame-stratified" Cornell Frame Stratified Quick;
+    "cornell-frame-sobol" Cornell Frame Sobol Quick;
+    "cornell-light-independent" Cornell Light Independent Roomy;
+    "cornell-light-stratified" Cornell Light Stratified Quick;
+    "cornell-light-sobol" Cornell Light Sobol Quick;
+    "cornell-ao-independent" Cornell Ao Independent Roomy;
+    "cornell-ao-stratified" Cornell Ao Stratified Quick;
+    "cornell-ao-sobol" Cornell Ao Sobol Quick;
+    "spheres-bdpt-independent" Spheres Bdpt Independent Roomy;
+    "spheres-bdpt-stratified" Spheres Bdpt Stratified Quick;
+    "spheres-bdpt-sobol" Spheres Bdpt Sobol Quick;
+    "spheres-frame-independent" Spheres Frame Independent Quick;
+    "spheres-frame-stratified" Spheres Frame Stratified Quick;
+    "spheres-frame-sobol" Spheres Frame Sobol Quick;
+    "spheres-light-independent" Spheres Light Independent Quick;
+    "spheres-light-stratified" Spheres Light Stratified Quick;
+    "spheres-light-sobol" Spheres Light Sobol Quick;
+    "spheres-ao-independent" Spheres Ao Independent Roomy;
+    "spheres-ao-stratified" Spheres Ao Stratified Quick;
+    "spheres-ao-sobol" Spheres Ao Sobol Quick;
+    "torus-bdpt-independent" Torus Bdpt Independent Roomy;
+    "torus-bdpt-stratified" Torus Bdpt Stratified Quick;
+    "torus-bdpt-sobol" Torus Bdpt Sobol Quick;
+    "torus-frame-independent" Torus Frame Independent Quick;
+    "torus-frame-stratified" Torus Frame Stratified Quick;
+    "torus-frame-sobol" Torus Frame Sobol Quick;
+    "torus-light-independent" Torus Light Independent Quick;
+    "torus-light-stratified" Torus Light Stratified Quick;
+    "torus-light-sobol" Torus Light Sobol Quick;
+    "torus-ao-independent" Torus Ao Independent Roomy;
+    "torus-ao-stratified" Torus Ao Stratified Quick;
+    "torus-ao-sobol" Torus Ao Sobol Quick;
+}
+
+/// Pictures of no record.
+#[cfg(feature = "roomy")]
+const OTHERS: &[Job] = &[picture(
+    "cornell-bdpt-8x8",
+    Cornell,
+    Integrator::Deep,
+    Independent,
+    1,
+    Reach::Roomy,
+)];
+
+#[cfg(not(feature = "roomy"))]
+const TRANSPORT: &[Job] = &[];
+#[cfg(not(feature = "roomy"))]
+const OTHERS: &[Job] = &[];
+
+/// Every job, in the order in which they run. A job's place in it is also its [`region`]; those for [`Reach::All`] come
+/// first, so that it is the same where there are no others.
 pub fn all() -> impl Iterator<Item = &'static Job> {
-    OWN.iter().chain(flags::JOBS).chain(PICTURES).chain(&RAYS)
+    let everywhere = OWN.iter().chain(flags::JOBS).chain(PICTURES).chain(&RAYS);
+    everywhere.chain(TRANSPORT).chain(OTHERS)
+}
+
+/// The jobs of one machine, with their regions.
+pub fn of(machine: &str) -> impl Iterator<Item = (u32, &'static Job)> {
+    let means = Means::of(machine);
+    (0..).zip(all()).filter(move |(_, job)| means.reach(job))
 }
 
 /// 4 KiB of random bytes, written and read back in three widths.
@@ -168,21 +284,37 @@ mod tests {
     extern crate std;
 
     use super::*;
-    use std::{format, string::String};
+    use std::{format, string::String, vec::Vec};
 
-    /// This computer's pictures are the record's, row by row and in its order.
+    /// Rows of a record as they are named and printed.
+    fn rows(record: &str) -> Vec<String> {
+        let rows = record.lines().filter(|line| !line.starts_with('#'));
+        rows.map(|row| row.split_whitespace().collect::<Vec<_>>().join("-"))
+            .collect()
+    }
+
+    fn printed(jobs: &[Job]) -> Vec<String> {
+        let line = |job: &Job| format!("{}-{:08x}", job.name, job.run(0));
+        jobs.iter().map(line).collect()
+    }
+
+    /// This computer's pictures are the records', row by row and in their order.
     #[test]
     fn pictures_are_the_record() {
         let record = include_str!("../../../tests/golden.txt");
-        let rows = record.lines().filter(|line| !line.starts_with('#'));
-        let rows: std::vec::Vec<String> = rows
-            .map(|row| row.split_whitespace().collect::<std::vec::Vec<_>>().join("-"))
-            .collect();
-        let ours: std::vec::Vec<String> = PICTURES
-            .iter()
-            .map(|job| format!("{}-{:08x}", job.name, job.run(0)))
-            .collect();
-        assert_eq!(ours, rows);
+        assert_eq!(printed(PICTURES), rows(record));
+        let record = include_str!("../../../tests/golden_transport.txt");
+        assert_eq!(printed(TRANSPORT), rows(record));
+    }
+
+    /// Where there is no room, the list is this computer's up to where room is needed.
+    #[test]
+    fn jobs_for_all_come_first() {
+        let rest = all().skip_while(|job| job.reach == Reach::All);
+        assert!(rest.into_iter().all(|job| job.reach != Reach::All));
+        assert_eq!(of("mps2-an385").count(), all().count());
+        assert!(of("microbit").count() < of("rp2040").count());
+        assert!(of("rp2040").count() < all().count());
     }
 
     #[test]

@@ -7,7 +7,7 @@
 use core::sync::atomic::{AtomicU8, Ordering::Relaxed};
 
 /// Regions are numbered from 0 to `COUNT - 1`; a higher number wraps around.
-pub const COUNT: usize = 128;
+pub const COUNT: usize = 256;
 
 /// The region that brackets nothing: what the brackets themselves cost.
 pub const EMPTY: u32 = COUNT as u32 - 1;

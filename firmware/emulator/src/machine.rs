@@ -4,7 +4,7 @@ use std::{path::Path, process::Command, time::Duration};
 
 use anyhow::{Result, bail};
 use clap::{ValueEnum, builder::PossibleValue};
-use firmware_common::jobs;
+use firmware_common::jobs::{self, Job, Means};
 use xtask::{board::Board, setup::Part};
 
 use crate::{
@@ -69,6 +69,11 @@ impl Machine {
         self.target().starts_with("thumbv6m")
     }
 
+    /// Whether the job is among those that run there.
+    pub fn runs(self, job: &Job) -> bool {
+        Means::of(self.name()).reach(job)
+    }
+
     const fn target(self) -> &'static str {
         match self {
             Self::Host => "",
@@ -83,9 +88,13 @@ impl Machine {
             Self::Wasm32 => ("wasm", "firmware_wasm"),
             _ => ("qemu", "firmware-qemu"),
         };
+        let features: &[_] = match self {
+            Self::Emulated(_) if Means::of(self.name()).roomy => &["roomy"],
+            _ => &[],
+        };
         let build = Build {
             package,
-            features: &[],
+            features,
             environment: &toolchain::machine(self.name()),
             name: self.name(),
         };

@@ -28,7 +28,7 @@ const ONLY: &str = match option_env!("MICROLUX_ONLY") {
 fn main() -> ! {
     region::count(region::EMPTY, || ());
     let wanted = |job: &jobs::Job| ONLY.is_empty() || job.name == ONLY;
-    for (id, job) in (0..).zip(jobs::all()).filter(|(_, job)| wanted(job)) {
+    for (id, job) in jobs::of(env!("MACHINE")).filter(|(_, job)| wanted(job)) {
         stack::paint();
         let crc = job.run(id);
         let used = stack::used();

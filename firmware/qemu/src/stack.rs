@@ -14,8 +14,8 @@ const PAINT: u32 = 0x5aa5_c33c;
 /// Bytes under the caller that are left alone: what this module needs itself.
 const OWN: usize = 256;
 
-/// Bytes of the stack that are painted and looked at: all that a micro:bit has.
-const DEPTH: usize = 16 * 1024;
+/// Bytes of the stack that are painted and looked at: all that a micro:bit has, and more than any job takes elsewhere.
+const DEPTH: usize = 64 * 1024;
 
 /// Bytes of the RAM that a program takes.
 pub struct Used {

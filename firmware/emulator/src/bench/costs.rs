@@ -75,7 +75,7 @@ impl Row {
 struct Entry {
     /// Its region.
     id: u32,
-    name: &'static str,
+    job: &'static Job,
     scene: String,
     kind: RowKind,
     samples: u64,
@@ -86,16 +86,16 @@ struct Entry {
 /// Pictures by the independent sampler with the first seed, and all bundles of rays.
 fn entries() -> Result<Vec<Entry>> {
     let pixels = pixels();
-    let measured = |(id, job): (u32, &Job)| -> Result<Option<Entry>> {
+    let measured = |(id, job): (u32, &'static Job)| -> Result<Option<Entry>> {
         Ok(match job.work {
             Work::Picture(case) if case.sampler == Pattern::Independent && case.seed == 1 => {
                 let outcome = case.run();
                 Some(Entry {
                     id,
-                    name: job.name,
+                    job,
                     scene: format!("{}-{}", case.scene.name(), case.integrator.name()),
                     kind: RowKind::Picture,
-                    samples: pixels * u64::from(golden::SETTINGS.spp),
+                    samples: pixels * u64::from(case.settings().spp),
                     rays: outcome.rays.into(),
                     crc: outcome.crc,
                 })
@@ -110,7 +110,7 @@ fn entries() -> Result<Vec<Entry>> {
                 };
                 Some(Entry {
                     id,
-                    name: job.name,
+                    job,
                     scene: job.name.to_owned(),
                     kind,
                     samples: traced.entries.into(),
@@ -156,12 +156,12 @@ pub fn count(runs: u32) -> Result<Counted> {
             .push(stack::jobs(machine.name(), &program, &printed)?);
         if machine == MICROBIT {
             let mut memories = Memory::read(&printed)?;
-            memories.retain(|memory| entries.iter().any(|entry| entry.name == memory.name));
+            memories.retain(|memory| entries.iter().any(|entry| entry.job.name == memory.name));
             counted.memories = memories;
         }
         let counts = count::agreed(machine, &program, &plugin, runs)?;
-        for entry in &entries {
-            let line = format!("{} crc32={:08x}", entry.name, entry.crc);
+        for entry in entries.iter().filter(|entry| machine.runs(entry.job)) {
+            let line = format!("{} crc32={:08x}", entry.job.name, entry.crc);
             ensure!(
                 printed.lines().any(|printed| printed == line),
                 "{}: no line {line:?}",
