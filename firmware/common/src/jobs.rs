@@ -227,6 +227,27 @@ transport! {
     "torus-ao-independent" Torus Ao Independent Roomy;
     "torus-ao-stratified" Torus Ao Stratified Quick;
     "torus-ao-sobol" Torus Ao Sobol Quick;
+    "materials-bdpt-independent" Materials Bdpt Independent Quick;
+    "materials-bdpt-sobol" Materials Bdpt Sobol Quick;
+    "materials-frame-independent" Materials Frame Independent Quick;
+    "materials-frame-sobol" Materials Frame Sobol Quick;
+    "materials-light-independent" Materials Light Independent Quick;
+    "materials-light-sobol" Materials Light Sobol Quick;
+    "materials-ao-independent" Materials Ao Independent Quick;
+    "materials-ao-sobol" Materials Ao Sobol Quick;
+    "sky-bdpt-sobol" Sky Bdpt Sobol Quick;
+    "sky-light-sobol" Sky Light Sobol Quick;
+    "sky-ao-sobol" Sky Ao Sobol Quick;
+    "map-bdpt-sobol" Map Bdpt Sobol Quick;
+    "map-light-sobol" Map Light Sobol Quick;
+    "cornell-bdpt-cmj" Cornell Bdpt Cmj Quick;
+    "cornell-bdpt-blue" Cornell Bdpt Blue Quick;
+    "cornell-frame-cmj" Cornell Frame Cmj Quick;
+    "cornell-frame-blue" Cornell Frame Blue Quick;
+    "cornell-light-cmj" Cornell Light Cmj Quick;
+    "cornell-light-blue" Cornell Light Blue Quick;
+    "cornell-ao-cmj" Cornell Ao Cmj Quick;
+    "cornell-ao-blue" Cornell Ao Blue Quick;
 }
 
 /// Pictures of no record.
