@@ -62,11 +62,11 @@ impl Row {
         of(&self.near[sampler][last]) / of(&self.near[0][last])
     }
 
-    /// Of the median pixel: a power of the number of samples.
+    /// Of the pixels' mean error: a power of the number of samples.
     fn slope(&self, sampler: usize) -> f64 {
         let points = LEVELS.iter().zip(&self.near[sampler]);
         let late = points.filter(|(spp, _)| **spp >= SLOPE_FROM);
-        let point = |(spp, spread): (&u32, &Spread)| (f64::from(*spp), spread.median);
+        let point = |(spp, spread): (&u32, &Spread)| (f64::from(*spp), spread.mean);
         slope(&late.map(point).collect::<Vec<_>>())
     }
 }
@@ -108,8 +108,8 @@ pub fn run(options: &Options) -> Result<()> {
         let numbers = json!({ "samplers": SAMPLERS, "spp": LEVELS, "rows": rows.iter().map(|row| json!({
             "scene": row.scene, "integrator": row.integrator,
             "rmse": row.near.map(|levels| levels.map(|spread| spread.rmse)),
-            "median": row.near.map(|levels| levels.map(|spread| spread.median)),
-            "median_from_afar": row.far.map(|levels| levels.map(|spread| spread.median)),
+            "mean": row.near.map(|levels| levels.map(|spread| spread.mean)),
+            "mean_from_afar": row.far.map(|levels| levels.map(|spread| spread.mean)),
         })).collect::<Vec<_>>() });
         std::fs::write(file, serde_json::to_string_pretty(&numbers)?)
             .with_context(|| file.display().to_string())?;
@@ -157,7 +157,7 @@ fn measure(host_sim: &Path, case: &Case) -> Result<Row> {
 const WORDS: &str = "\
 The error of a pixel is its standard deviation over 4 renders, 64 pixels wide, that differ by their seed, so no
 reference's noise is in it (linear light, above 8 counts as 8). *RMSE* is that of all pixels, in which the few at a
-lamp's rim and in caustics decide; *median* is that of the pixel in the middle. Whether samplers agree in the mean is
+lamp's rim and in caustics decide; *mean* is that of the pixels' standard deviations. Whether samplers agree in light is
 asked by `tests/sampler.rs`, `tests/closed_form.rs` and docs/accuracy.md.
 ";
 
@@ -173,21 +173,21 @@ fn text(header: &Header, rows: &[Row]) -> String {
     );
     let columns: Vec<String> = SAMPLERS[1..]
         .iter()
-        .flat_map(|name| ["RMSE", "median"].map(|what| format!("{name}: {what}")))
+        .flat_map(|name| ["RMSE", "mean"].map(|what| format!("{name}: {what}")))
         .collect();
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     page += &table(rows, &columns, |row, i| {
-        let of = [|spread: &Spread| spread.rmse, |spread: &Spread| spread.median][i % 2];
+        let of = [|spread: &Spread| spread.rmse, |spread: &Spread| spread.mean][i % 2];
         format!("{:.3}", row.share(1 + i / 2, of))
     });
     page += &format!(
-        "\n## How fast it falls\n\nThe median pixel's error goes as this power of the number of samples, \
+        "\n## How fast it falls\n\nThe mean error of a pixel goes as this power of the number of samples, \
         fitted to {SLOPE_FROM} to {}:\nindependent samples have -0.5 in theory.\n\n![Error against samples]({})\n\n",
         header.spp,
         CURVES.trim_start_matches("docs/")
     );
     page += &table(rows, &SAMPLERS, |row, i| format!("{:+.2}", row.slope(i)));
-    page += "\n## From a distance\n\nWhat is left of the median error when a picture is blurred (Gaussian, standard deviation \
+    page += "\n## From a distance\n\nWhat is left of the mean error when a picture is blurred (Gaussian, standard deviation \
         1.5 pixels), as an eye\nfar off does: over independent samples' at as many samples. `blue` is the sampler made \
         for this: its errors cancel\nbetween neighbours (Ahmed and Wonka 2020).\n\n";
     let levels = LEVELS.iter().filter(|spp| **spp <= FAR_TO).count();
@@ -197,7 +197,7 @@ fn text(header: &Header, rows: &[Row]) -> String {
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
     page += &table(rows, &columns, |row, i| {
         let sampler = SAMPLERS.len() - 2 + i % 2;
-        format!("{:.3}", row.far[sampler][i / 2].median / row.far[0][i / 2].median)
+        format!("{:.3}", row.far[sampler][i / 2].mean / row.far[0][i / 2].mean)
     });
     page
 }

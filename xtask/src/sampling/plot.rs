@@ -15,7 +15,7 @@ const COLOURS: [RGBColor; SAMPLERS.len()] = [
     RGBColor(150, 70, 190),
 ];
 
-/// The median pixel's error against samples a pixel, both logarithmic, as SVG.
+/// The pixels' mean error against samples a pixel, both logarithmic, as SVG.
 pub fn curves(rows: &[Row]) -> Result<String> {
     let mut svg = String::new();
     draw(&mut svg, rows).map_err(|error| anyhow!("the curves cannot be drawn: {error}"))?;
@@ -32,7 +32,7 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
             row.near
                 .as_flattened()
                 .iter()
-                .map(|spread| spread.median)
+                .map(|spread| spread.mean)
                 .filter(|e| *e > 0.0)
         };
         let (low, high) = (errors().fold(f64::MAX, f64::min), errors().fold(0.0, f64::max));
@@ -58,8 +58,8 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
             .label_style(("sans-serif", 10))
             .draw()?;
         for ((name, errors), colour) in SAMPLERS.iter().zip(&row.near).zip(COLOURS) {
-            let medians = errors.iter().map(|spread| spread.median);
-            let points = LEVELS.iter().map(|spp| f64::from(*spp)).zip(medians);
+            let means = errors.iter().map(|spread| spread.mean);
+            let points = LEVELS.iter().map(|spp| f64::from(*spp)).zip(means);
             let points: Vec<_> = points.filter(|(_, error)| *error > 0.0).collect();
             chart
                 .draw_series(LineSeries::new(points, colour.stroke_width(2)))?
