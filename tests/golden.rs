@@ -73,6 +73,9 @@ fn cases() -> Vec<Case> {
             .into_iter()
             .for_each(|sampler| add(scene, "path", sampler));
     }
+    ["independent", "sobol"]
+        .into_iter()
+        .for_each(|sampler| add(Builtin::Implicits, "path", sampler));
     cases
 }
 

@@ -123,6 +123,8 @@ fn rows() -> Vec<(Builtin, &'static str, &'static str)> {
     add(Builtin::Sky, &["bdpt", "light", "ao"], &["sobol"]);
     add(Builtin::Map, &["bdpt", "light"], &["sobol"]);
     add(Builtin::Cornell, &INTEGRATORS, &["cmj", "blue"]);
+    // Light is not traced from solids.
+    add(Builtin::Implicits, &["bdpt", "ao"], &["sobol"]);
     rows
 }
 

@@ -1,6 +1,6 @@
 //! The list that every target runs and prints, one line each: `name crc32=89abcdef`.
 
-use microlux::scene::builtin::Builtin::{Cornell, Map, Materials, Sky, Spheres, Torus};
+use microlux::scene::builtin::Builtin::{Cornell, Implicits, Map, Materials, Sky, Spheres, Torus};
 
 use crate::{
     crc::Crc,
@@ -156,6 +156,8 @@ pictures! {
     "cornell-path-blue" Cornell Path Blue;
     "spheres-path-cmj" Spheres Path Cmj;
     "spheres-path-blue" Spheres Path Blue;
+    "implicits-path-independent" Implicits Path Independent;
+    "implicits-path-sobol" Implicits Path Sobol;
 }
 
 const fn rays(name: &'static str, motif: Motif, kind: Kind) -> Job {
@@ -248,6 +250,8 @@ transport! {
     "cornell-light-blue" Cornell Light Blue Quick;
     "cornell-ao-cmj" Cornell Ao Cmj Quick;
     "cornell-ao-blue" Cornell Ao Blue Quick;
+    "implicits-bdpt-sobol" Implicits Bdpt Sobol Quick;
+    "implicits-ao-sobol" Implicits Ao Sobol Quick;
 }
 
 /// Pictures of no record.

@@ -4,6 +4,7 @@
 //! Each is made by a function of its own, so that a program carries only those it names; [`Builtin`] names all.
 
 mod cornell;
+mod implicits;
 mod map;
 mod materials;
 mod mesh;
@@ -17,6 +18,7 @@ use crate::camera::Camera;
 use crate::light::Environment;
 
 pub use cornell::cornell;
+pub use implicits::{blobs, implicits};
 pub use map::studio;
 pub use materials::materials;
 pub use mesh::OwnedMesh;
@@ -39,16 +41,19 @@ pub enum Builtin {
     Sky,
     /// [`open`] in [`studio`], an environment map.
     Map,
+    /// See [`implicits`].
+    Implicits,
 }
 
 impl Builtin {
-    pub const ALL: [Builtin; 6] = [
+    pub const ALL: [Builtin; 7] = [
         Builtin::Cornell,
         Builtin::Spheres,
         Builtin::Torus,
         Builtin::Materials,
         Builtin::Sky,
         Builtin::Map,
+        Builtin::Implicits,
     ];
 
     pub const fn name(self) -> &'static str {
@@ -59,6 +64,7 @@ impl Builtin {
             Builtin::Materials => "materials",
             Builtin::Sky => "sky",
             Builtin::Map => "map",
+            Builtin::Implicits => "implicits",
         }
     }
 
@@ -76,6 +82,7 @@ impl Builtin {
             Builtin::Materials => with_materials(render),
             Builtin::Sky => with_open(Environment::Sky(&sky()), render),
             Builtin::Map => with_open(studio().map_or(Environment::None, Environment::Map), render),
+            Builtin::Implicits => with_implicits(render),
         }
     }
 }
@@ -118,6 +125,18 @@ fn with_open<R>(environment: Environment, render: impl FnOnce(&Scene, Camera) ->
     let mut nodes = [Node::EMPTY; max_nodes(5)];
     let borrowed = Borrowed {
         environment,
+        ..Borrowed::default()
+    };
+    Ok(render(&builder.build_from(borrowed, &mut nodes)?, camera))
+}
+
+#[inline(never)]
+fn with_implicits<R>(render: impl FnOnce(&Scene, Camera) -> R) -> Result<R, SceneError> {
+    let (mut builder, camera) = implicits()?;
+    let blobs = blobs();
+    let mut nodes = [Node::EMPTY; max_nodes(8)];
+    let borrowed = Borrowed {
+        blobs: &blobs,
         ..Borrowed::default()
     };
     Ok(render(&builder.build_from(borrowed, &mut nodes)?, camera))
