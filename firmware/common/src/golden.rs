@@ -27,6 +27,7 @@ pub const SETTINGS: Settings = Settings {
     spp: 4,
 };
 
+#[cfg(feature = "roomy")]
 const PIXELS: usize = SETTINGS.width as usize * SETTINGS.height as usize;
 
 /// Every strategy with 2 to 9 vertices from a light and as many from the camera, lens and light counted: all pairs of 8
