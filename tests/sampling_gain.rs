@@ -55,11 +55,15 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// Measured over three pairs of seeds: direct light 0.35 to 0.53, paths 0.37 to 0.77, of independent's error. By one pair,
-/// where lobes are sharp and a sun makes caustics: 0.28 to 0.69, and 0.36 to 0.95.
+/// where lobes are sharp and a sun makes caustics: 0.28 to 0.69, and 0.36 to 0.95. `Implicits`, whose glass makes caustics of
+/// a lamp: direct light 0.73 to 0.88; of its paths nothing is asked, since one pair's 0.84 to 1.00 is mostly chance.
 #[test]
 fn patterns_lower_the_error_of_pictures() {
     for scene in Builtin::ALL {
         for (name, path) in [("direct", Path::direct()), ("path", Path::new(8))] {
+            if scene == Builtin::Implicits && name == "path" {
+                continue;
+            }
             let spp = SETTINGS.spp;
             let independent = error(scene, path, |seed| Independent::new(seed).into());
             let others = [
@@ -76,9 +80,7 @@ fn patterns_lower_the_error_of_pictures() {
                 println!("{} {name} {sampler}: {share:.3}", scene.name());
                 let sharp = matches!(scene, Builtin::Materials | Builtin::Sky | Builtin::Map);
                 let bound = match (name, sharp) {
-                    // Caustics of few paths decide, which no sampler finds more often: 0.73 to 0.88, and 1 for paths.
-                    ("direct", _) if scene == Builtin::Implicits => 0.95,
-                    (_, _) if scene == Builtin::Implicits => 1.2,
+                    ("direct", _) if scene == Builtin::Implicits => 0.9,
                     ("direct", false) => 0.65,
                     ("direct", true) => 0.78,
                     (_, false) => 0.88,

@@ -1,3 +1,4 @@
+use super::look;
 use crate::camera::Camera;
 use crate::color::{Radiance, albedo};
 use crate::geom::{Dir, Unit, point};
@@ -113,10 +114,5 @@ pub fn implicits() -> Result<(SceneBuilder<8, 7, 3>, Camera), SceneError> {
     })?;
 
     let (eye, target) = (point(q!(0), q!(2), q!(5.2)), point(q!(0), q!(0.62), q!(0)));
-    let half = Camera::tan_half(q!(0.108, Turn));
-    let camera = Camera::look_at(eye, target, Dir::Y.0, half);
-    Ok((
-        b,
-        camera.unwrap_or(Camera::from_frame(eye, [Dir::X, Dir::Y, -Dir::Z], half)),
-    ))
+    Ok((b, look(eye, target, q!(0.108, Turn))))
 }

@@ -1,3 +1,4 @@
+use super::look;
 use crate::camera::Camera;
 use crate::color::{Albedo, Radiance, albedo};
 use crate::geom::{Dir, Unit, point};
@@ -79,10 +80,5 @@ pub fn materials() -> Result<(SceneBuilder<12, 12, 2>, Camera), SceneError> {
     })?;
 
     let (eye, target) = (point(q!(0), q!(1.9), q!(4.4)), point(q!(0), q!(0.22), q!(0)));
-    let half = Camera::tan_half(q!(0.125, Turn));
-    let camera = Camera::look_at(eye, target, Dir::Y.0, half);
-    Ok((
-        b,
-        camera.unwrap_or(Camera::from_frame(eye, [Dir::X, Dir::Y, -Dir::Z], half)),
-    ))
+    Ok((b, look(eye, target, q!(0.125, Turn))))
 }

@@ -15,7 +15,9 @@ mod torus;
 use super::{Borrowed, Scene, SceneError};
 use crate::bvh::{Node, max_nodes};
 use crate::camera::Camera;
+use crate::geom::{Dir, Point};
 use crate::light::Environment;
+use crate::num::Turn;
 
 pub use cornell::cornell;
 pub use implicits::{blobs, implicits};
@@ -85,6 +87,13 @@ impl Builtin {
             Builtin::Implicits => with_implicits(render),
         }
     }
+}
+
+/// From `eye` at `target`, y up.
+fn look(eye: Point, target: Point, field_of_view: Turn) -> Camera {
+    let half = Camera::tan_half(field_of_view);
+    let camera = Camera::look_at(eye, target, Dir::Y.0, half);
+    camera.unwrap_or(Camera::from_frame(eye, [Dir::X, Dir::Y, -Dir::Z], half))
 }
 
 // Not inlined into one another: each has a stack frame for its own scene alone.

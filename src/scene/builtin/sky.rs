@@ -1,3 +1,4 @@
+use super::look;
 use crate::camera::Camera;
 use crate::color::{Albedo, Radiance, albedo};
 use crate::geom::{Dir, Unit, point};
@@ -46,12 +47,7 @@ pub fn open() -> Result<(SceneBuilder<5, 5, 0>, Camera), SceneError> {
         b.shape(Sphere::new(center, unit.length(radius)), material)?;
     }
     let (eye, target) = (point(q!(0), q!(1.3), q!(4.6)), point(q!(0), q!(0.5), q!(0)));
-    let half = Camera::tan_half(q!(0.1, Turn));
-    let camera = Camera::look_at(eye, target, Dir::Y.0, half);
-    Ok((
-        b,
-        camera.unwrap_or(Camera::from_frame(eye, [Dir::X, Dir::Y, -Dir::Z], half)),
-    ))
+    Ok((b, look(eye, target, q!(0.1, Turn))))
 }
 
 /// A blue sky over brown ground, and a sun of 4° behind the eye's right shoulder.

@@ -1,3 +1,4 @@
+use super::look;
 use crate::camera::Camera;
 use crate::color::{Albedo, Radiance, albedo};
 use crate::geom::{Dir, Unit, point};
@@ -83,8 +84,6 @@ pub fn spheres() -> Result<(SceneBuilder<10, 7, 6>, Camera), SceneError> {
     })?;
 
     let (eye, target) = (point(q!(0), q!(1.6), q!(5.2)), point(q!(0), q!(0.55), q!(0)));
-    let half = Camera::tan_half(q!(0.0944, Turn));
-    let camera = Camera::look_at(eye, target, Dir::Y.0, half);
-    let camera = camera.unwrap_or(Camera::from_frame(eye, [x, y, -z], half));
+    let camera = look(eye, target, q!(0.0944, Turn));
     Ok((b, camera.with_lens(unit.length(q!(0.02)), unit.length(q!(5.2)))))
 }
