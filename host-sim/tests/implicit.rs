@@ -101,9 +101,10 @@ fn primary_rays_meet_what_they_meet_in_f64() {
         .unwrap()
         .unwrap();
     println!("{found:#?}");
-    assert!(found.rays >= 1_000_000 && found.hit_miss_disagreement <= 1e-3);
-    assert!(found.hit_point_error.p99 <= 1e-3);
-    assert!(found.hit_point_error_away.p9999 <= 1e-2);
+    // 9.0e-6, 2.0e-5 and 2.4e-5. With one radius off by a hundredth: 7.2e-4, 4.5e-4 and 2.8e-4.
+    assert!(found.rays >= 1_000_000 && found.hit_miss_disagreement <= 3e-5);
+    assert!(found.hit_point_error.p99 <= 3e-5);
+    assert!(found.hit_point_error_away.p9999 <= 4e-5);
 }
 
 /// White surfaces in a white sky are white: no ray stays within a solid, none gets into it.
