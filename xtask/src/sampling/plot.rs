@@ -27,7 +27,7 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
     let size = (PANEL.0 * COLUMNS as u32, PANEL.1 * lines as u32);
     let area = SVGBackend::with_string(svg, size).into_drawing_area();
     area.fill(&WHITE)?;
-    for (panel, row) in area.split_evenly((lines, COLUMNS)).iter().zip(rows) {
+    for (i, (panel, row)) in area.split_evenly((lines, COLUMNS)).iter().zip(rows).enumerate() {
         let errors = || {
             row.near
                 .as_flattened()
@@ -53,7 +53,8 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
             .configure_mesh()
             .x_desc("samples a pixel")
             .x_label_formatter(&|x| format!("{x:.0}"))
-            .y_label_formatter(&|y| format!("{y}"))
+            .y_labels(5)
+            .y_label_formatter(&|y| format!("{y:.0e}"))
             .light_line_style(TRANSPARENT)
             .label_style(("sans-serif", 10))
             .draw()?;
@@ -66,12 +67,15 @@ fn draw(svg: &mut String, rows: &[Row]) -> Result<(), Box<dyn std::error::Error>
                 .label(*name)
                 .legend(move |(x, y)| PathElement::new([(x, y), (x + 12, y)], colour.stroke_width(2)));
         }
-        chart
-            .configure_series_labels()
-            .position(SeriesLabelPosition::LowerLeft)
-            .background_style(WHITE.mix(0.8))
-            .label_font(("sans-serif", 10))
-            .draw()?;
+        // One legend for all: more would hide curves.
+        if i == 0 {
+            chart
+                .configure_series_labels()
+                .position(SeriesLabelPosition::LowerLeft)
+                .background_style(WHITE.mix(0.8))
+                .label_font(("sans-serif", 10))
+                .draw()?;
+        }
     }
     area.present()?;
     Ok(())
