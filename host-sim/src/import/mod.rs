@@ -8,6 +8,7 @@ mod gltf;
 pub(crate) mod math;
 mod mesh;
 mod mitsuba;
+mod ngon;
 mod obj;
 mod pbr;
 mod picture;

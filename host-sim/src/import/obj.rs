@@ -1,11 +1,13 @@
-//! Wavefront OBJ: `v`, `vn`, `vt` and `f` (fans, negative indices). `tobj` builds the faces; the lines are checked here
-//! first, since it does not say where an error stands.
+//! Wavefront OBJ: `v`, `vn`, `vt` and `f`, with faces of any number of corners and negative indices.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::error::ImportError;
 use super::mesh::RawMesh;
+use super::ngon::Cutter;
 use super::suggest::list;
+use crate::desc::Vec3;
 
 /// Statements that say something about the surface; all others (groups, materials, smoothing, lines, ...) are skipped.
 const SURFACE: [&str; 4] = ["v", "vt", "vn", "f"];
@@ -38,74 +40,56 @@ pub(super) fn read(path: &Path) -> Result<RawMesh, ImportError> {
 }
 
 fn parse(path: &Path, text: &str) -> Result<RawMesh, ImportError> {
-    let surface = check(path, text)?;
-    let options = tobj::LoadOptions {
-        single_index: true,
-        triangulate: true,
-        ..Default::default()
-    };
-    let no_materials = |_: &Path| Ok((Vec::new(), Default::default()));
-    let (models, _) = tobj::load_obj_buf(&mut surface.text.as_bytes(), &options, no_materials)
-        .map_err(|error| ImportError::new(path, format!("{error}; export the mesh again")))?;
-
-    let mut raw = RawMesh {
-        notes: surface.notes,
-        ..RawMesh::default()
-    };
-    for model in models {
-        let first = raw.positions.len() as u32;
-        raw.positions.extend(threes(&model.mesh.positions));
-        raw.normals.extend(threes(&model.mesh.normals));
-        raw.triangles.extend(
-            model
-                .mesh
-                .indices
-                .chunks_exact(3)
-                .map(|t| [t[0] + first, t[1] + first, t[2] + first]),
-        );
+    let file = statements(path, text)?;
+    if file.faces.is_empty() {
+        return Err(ImportError::new(
+            path,
+            "has no faces; export the mesh with its faces",
+        ));
     }
-    Ok(raw)
+    // Faces may name what stands further down, so the last counts decide.
+    let counts = file.counts();
+    for face in &file.faces {
+        let wrong = face.corners.iter().find_map(|corner| corner.check(counts).err());
+        if let Some(message) = wrong {
+            return Err(ImportError::at(path, face.line, message));
+        }
+    }
+    file.mesh(path)
 }
 
-fn threes(numbers: &[f64]) -> impl Iterator<Item = [f64; 3]> {
-    numbers.chunks_exact(3).map(|n| [n[0], n[1], n[2]])
+/// What the statements say, indices not looked at yet.
+#[derive(Default)]
+struct File {
+    positions: Vec<Vec3>,
+    normals: Vec<Vec3>,
+    textures: i64,
+    faces: Vec<Face>,
 }
 
-/// The lines that matter, known to be sound.
-struct Surface {
-    text: String,
-    notes: Vec<String>,
+struct Face {
+    line: u32,
+    corners: Vec<Corner>,
 }
 
-/// Checks numbers and indices line by line, and keeps positions, normals and faces.
-///
-/// Normals stay only if every corner has one: half a set would leave the rest undefined.
-fn check(path: &Path, text: &str) -> Result<Surface, ImportError> {
-    let lines = logical_lines(text);
-    let mut counts = Counts::default();
-    let mut faces = Vec::new();
-    for (line, content) in &lines {
+fn statements(path: &Path, text: &str) -> Result<File, ImportError> {
+    let mut file = File::default();
+    for (line, content) in &logical_lines(text) {
         let mut words = content.split_whitespace();
         let Some(statement) = words.next() else { continue };
         let refuse = |message: String| ImportError::at(path, *line, message);
+        let wrong = |what: String| refuse(format!("{statement}: {what}"));
         match statement {
-            "v" | "vn" => {
-                finite(words, 3).map_err(|what| refuse(format!("{statement}: {what}")))?;
-                *(if statement == "v" {
-                    &mut counts.v
-                } else {
-                    &mut counts.vn
-                }) += 1;
-            }
+            "v" => file.positions.push(numbers(words).map_err(wrong)?),
+            "vn" => file.normals.push(numbers(words).map_err(wrong)?),
             "vt" => {
-                finite(words, 1).map_err(|what| refuse(format!("vt: {what}")))?;
-                counts.vt += 1;
+                numbers::<1>(words).map_err(wrong)?;
+                file.textures += 1;
             }
-            "f" => faces.push(
-                corners(words, counts)
-                    .map(|corners| (*line, corners))
-                    .map_err(refuse)?,
-            ),
+            "f" => file.faces.push(Face {
+                line: *line,
+                corners: corners(words, file.counts()).map_err(refuse)?,
+            }),
             _ if KNOWN.contains(&statement) => {}
             _ => {
                 return Err(refuse(format!(
@@ -115,51 +99,50 @@ fn check(path: &Path, text: &str) -> Result<Surface, ImportError> {
             }
         }
     }
-    if faces.is_empty() {
-        return Err(ImportError::new(
-            path,
-            "has no faces; export the mesh with its faces",
-        ));
-    }
-    // Faces may name what stands further down, so the last counts decide.
-    for (line, corners) in &faces {
-        for corner in corners {
-            corner
-                .check(counts)
-                .map_err(|message| ImportError::at(path, *line, message))?;
+    Ok(file)
+}
+
+impl File {
+    fn counts(&self) -> Counts {
+        Counts {
+            v: self.positions.len() as i64,
+            vt: self.textures,
+            vn: self.normals.len() as i64,
         }
     }
 
-    let with_normal = |corners: &[Corner]| corners.iter().filter(|c| c.vn.is_some()).count();
-    let normals: usize = faces.iter().map(|(_, corners)| with_normal(corners)).sum();
-    let complete = faces
-        .iter()
-        .all(|(_, corners)| with_normal(corners) == corners.len());
-    let mut notes = Vec::new();
-    if normals > 0 && !complete {
-        notes.push("some corners have no normal; all normals are computed instead".to_string());
+    /// Corners that name the same become one vertex. Texture coordinates tell vertices apart (as in Mitsuba), their values
+    /// mean nothing here. Normals stay only if every corner has one: half a set would leave the rest undefined.
+    fn mesh(&self, path: &Path) -> Result<RawMesh, ImportError> {
+        let corners = || self.faces.iter().flat_map(|face| &face.corners);
+        let complete = corners().all(|corner| corner.vn.is_some());
+        let mut raw = RawMesh::default();
+        if !complete && corners().any(|corner| corner.vn.is_some()) {
+            let note = "some corners have no normal; all normals are computed instead";
+            raw.notes.push(note.to_string());
+        }
+        let mut known: HashMap<[Option<i64>; 3], u32> = HashMap::new();
+        let mut cutter = Cutter::new();
+        let mut face_indices = Vec::new();
+        for face in &self.faces {
+            face_indices.clear();
+            for corner in &face.corners {
+                let normal = corner.vn.filter(|_| complete);
+                let index = known
+                    .entry([Some(corner.v), corner.vt, normal])
+                    .or_insert_with(|| {
+                        raw.positions.push(self.positions[corner.v as usize - 1]);
+                        raw.normals.extend(normal.map(|vn| self.normals[vn as usize - 1]));
+                        (raw.positions.len() - 1) as u32
+                    });
+                face_indices.push(*index);
+            }
+            let added = cutter.add(&mut raw, &face_indices);
+            added.map_err(|what| ImportError::at(path, face.line, format!("f: this face {what}")))?;
+        }
+        raw.notes.extend(cutter.note());
+        Ok(raw)
     }
-    let mut kept = String::with_capacity(text.len());
-    for (_, content) in lines
-        .iter()
-        .filter(|(_, c)| matches!(c.split_whitespace().next(), Some("v" | "vn")))
-    {
-        // Only the coordinates: tobj would take what follows for a weight or a colour.
-        kept.extend(content.split_whitespace().take(4).flat_map(|word| [word, " "]));
-        kept.push('\n');
-    }
-    // Texture coordinates tell vertices apart (as in Mitsuba), their values mean nothing here.
-    for _ in 0..counts.vt {
-        kept.push_str("vt 0 0\n");
-    }
-    for (_, corners) in &faces {
-        kept.push('f');
-        corners
-            .iter()
-            .for_each(|corner| corner.write(&mut kept, complete));
-        kept.push('\n');
-    }
-    Ok(Surface { text: kept, notes })
 }
 
 /// Lines without comments, continued ones (`\` at the end) joined, each with the number of its first line.
@@ -184,22 +167,23 @@ fn logical_lines(text: &str) -> Vec<(u32, String)> {
     lines
 }
 
-/// At least `needed` numbers, the first of them finite.
-fn finite<'a>(words: impl Iterator<Item = &'a str>, needed: usize) -> Result<(), String> {
-    let mut found = 0;
-    for word in words.take(needed) {
-        let number: f64 = word
+/// The first `N` numbers, finite; what follows them (weights, colours) is skipped.
+fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Result<[f64; N], String> {
+    let mut found = [0.0_f64; N];
+    let mut count = 0;
+    for (number, word) in found.iter_mut().zip(words) {
+        *number = word
             .parse()
             .map_err(|_| format!("\"{word}\" is not a number; correct it"))?;
         if !number.is_finite() {
             return Err(format!("{word} is not a finite number; correct it"));
         }
-        found += 1;
+        count += 1;
     }
-    if found < needed {
-        return Err(format!("has {found} of {needed} numbers; add the rest"));
+    match count {
+        _ if count == N => Ok(found),
+        _ => Err(format!("has {count} of {N} numbers; add the rest")),
     }
-    Ok(())
 }
 
 /// How many of each stand in the file so far.
@@ -269,16 +253,6 @@ impl Corner {
             }
         }
         Ok(())
-    }
-
-    fn write(&self, text: &mut String, with_normal: bool) {
-        let part = |index: Option<i64>| index.map(|i| i.to_string()).unwrap_or_default();
-        let vn = if with_normal { self.vn } else { None };
-        *text += &match (self.vt, vn) {
-            (None, None) => format!(" {}", self.v),
-            (vt, None) => format!(" {}/{}", self.v, part(vt)),
-            (vt, vn) => format!(" {}/{}/{}", self.v, part(vt), part(vn)),
-        };
     }
 }
 

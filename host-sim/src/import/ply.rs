@@ -1,5 +1,5 @@
 //! Stanford PLY, ascii and binary of both byte orders: `vertex` with x, y, z and maybe nx, ny, nz; `face` with a list of
-//! indices, fanned into triangles.
+//! indices.
 
 use std::io::BufReader;
 use std::path::Path;
@@ -11,6 +11,7 @@ use ply_rs_bw::ply::{
 
 use super::error::ImportError;
 use super::mesh::RawMesh;
+use super::ngon::Cutter;
 use crate::desc::Vec3;
 
 /// Reads the `vertex` and `face` elements; others are skipped.
@@ -64,6 +65,7 @@ fn parse(path: &Path, source: impl std::io::BufRead) -> Result<RawMesh, ImportEr
         }
     }
     let count = raw.positions.len();
+    let mut cutter = Cutter::new();
     for (i, Face(corners)) in faces.iter().enumerate() {
         let corners = corners
             .iter()
@@ -80,9 +82,10 @@ fn parse(path: &Path, source: impl std::io::BufRead) -> Result<RawMesh, ImportEr
             );
             return Err(ImportError::new(path, message));
         }
-        raw.triangles
-            .extend((2..corners.len()).map(|k| [corners[0], corners[k - 1], corners[k]]));
+        let added = cutter.add(&mut raw, &corners);
+        added.map_err(|what| ImportError::new(path, format!("face {i}: {what}")))?;
     }
+    raw.notes.extend(cutter.note());
     Ok(raw)
 }
 

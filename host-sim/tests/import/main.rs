@@ -4,6 +4,7 @@ mod errors;
 mod gltf;
 mod material;
 mod mesh;
+mod ngon;
 mod own;
 mod picture;
 mod shape;
