@@ -1,6 +1,7 @@
 //! Triangles cover what their polygon covers: the same area, every point once, edge to edge.
 //!
 //! `MICROLUX_POLYGONS` of each kind are cut, 300 unless said: `MICROLUX_POLYGONS=100000 cargo test --release --test polygon`.
+//! So many of each of the seven kinds held on 2026-11-27, without a failure, in 44 s on two shared cores of a PC.
 
 use earcut::Earcut;
 use microlux::sampler::hash;
