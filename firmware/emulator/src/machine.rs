@@ -29,6 +29,9 @@ pub enum Machine {
 /// The one with the least memory.
 pub const MICROBIT: Machine = Machine::Emulated(Board::Microbit);
 
+/// The Pico's chip without a display, core 0 alone.
+pub const RP2040: Machine = Machine::Emulated(Board::Rp2040);
+
 impl Machine {
     pub const ALL: [Self; 9] = [
         Self::Host,

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use anyhow::{Context, Result, ensure};
 use firmware_common::{
     golden::{self, Pattern},
-    jobs::{self, Job, Work},
+    jobs::{self, Job, Reach, Work},
     rays::Kind,
     tile,
 };
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 
 use crate::{
     count,
-    machine::{MICROBIT, Machine},
+    machine::{MICROBIT, Machine, RP2040},
     segments,
     stack::{self, Depth, Memory},
 };
@@ -134,6 +134,8 @@ pub struct Counted {
     pub rows: Vec<Row>,
     /// What each counted job takes on the micro:bit.
     pub memories: Vec<Memory>,
+    /// What each job takes on the RP2040 that the micro:bit has no room for.
+    pub roomy: Vec<Memory>,
     /// The deepest stack of each machine.
     pub depths: Vec<Depth>,
 }
@@ -145,6 +147,7 @@ pub fn count(runs: u32) -> Result<Counted> {
     let mut counted = Counted {
         rows: Vec::new(),
         memories: Vec::new(),
+        roomy: Vec::new(),
         depths: Vec::new(),
     };
     for machine in Machine::ALL.into_iter().filter(|machine| machine.in_qemu()) {
@@ -181,7 +184,35 @@ pub fn count(runs: u32) -> Result<Counted> {
             });
         }
     }
+    on_the_rp2040(&mut counted)?;
     Ok(counted)
+}
+
+/// Stacks of the jobs on a bare RP2040; each must come to what it is on this computer.
+fn on_the_rp2040(counted: &mut Counted) -> Result<()> {
+    eprintln!("{}", RP2040.name());
+    let printed = RP2040.run()?;
+    counted
+        .depths
+        .push(stack::jobs(RP2040.name(), &RP2040.build()?, &printed)?);
+    let memories = Memory::read(&printed)?;
+    for (id, job) in (0..)
+        .zip(jobs::all())
+        .filter(|(_, job)| job.reach == Reach::Roomy)
+    {
+        let line = format!("{} crc32={:08x}", job.name, job.run(id));
+        ensure!(
+            printed.lines().any(|printed| printed == line),
+            "{}: no line {line:?}",
+            RP2040.name()
+        );
+    }
+    let is_roomy = |name: &str| jobs::all().any(|job| job.name == name && job.reach == Reach::Roomy);
+    counted.roomy = memories
+        .into_iter()
+        .filter(|memory| is_roomy(&memory.name))
+        .collect();
+    Ok(())
 }
 
 /// The tables of rays and of pictures.

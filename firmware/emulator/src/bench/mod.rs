@@ -57,7 +57,7 @@ pub fn run(options: &Options) -> Result<()> {
     costs::tables(&mut text, &counted.rows)?;
     display(&mut text, &frames)?;
     space::sizes(&mut text)?;
-    space::stacks(&mut text, &counted.memories, &counted.depths)?;
+    space::stacks(&mut text, &counted)?;
     writeln!(
         text,
         "\nNo soft-float routine and no formatting code among the symbols of {}.",

@@ -5,6 +5,7 @@ use std::{fmt::Write as _, fs};
 use anyhow::{Result, ensure};
 use xtask::no_float::symbols::{self, SoftFloat};
 
+use super::costs::Counted;
 use crate::{
     size::{self, PROGRAMS},
     stack::{Depth, Memory},
@@ -30,8 +31,9 @@ pub fn sizes(text: &mut String) -> Result<()> {
     Ok(())
 }
 
-/// The tables of stacks: what each job takes on the micro:bit, and each program's deepest beside its bound.
-pub fn stacks(text: &mut String, memories: &[Memory], depths: &[Depth]) -> Result<()> {
+/// The tables of stacks: each program's deepest beside its bound, and what each job takes on the two boards.
+pub fn stacks(text: &mut String, counted: &Counted) -> Result<()> {
+    let depths = &counted.depths;
     text.push_str(
         "\n## Deepest stacks, bytes\n\n\
         Measured: painted, on the Pico the lowest stack pointer. Bound: no input takes more; from what the compiler says \
@@ -64,9 +66,17 @@ pub fn stacks(text: &mut String, memories: &[Memory], depths: &[Depth]) -> Resul
             depth.bound.by_pointer.join(", ")
         )?;
     }
+    text.push_str("\nMeasured on the micro:bit, picture by picture:\n\n");
+    jobs(text, &counted.memories)?;
     text.push_str(
-        "\nMeasured on the micro:bit, picture by picture:\n\n| job | stack | of |\n| --- | ---: | ---: |\n",
+        "\nMeasured on the RP2040, the pictures that a micro:bit has no room for, each with its film and the scene's tree; \
+        `bdpt-8x8` joins each of 8 surfaces on the camera's path with each of 8 on the light's:\n\n",
     );
+    jobs(text, &counted.roomy)
+}
+
+fn jobs(text: &mut String, memories: &[Memory]) -> Result<()> {
+    text.push_str("| job | stack | of |\n| --- | ---: | ---: |\n");
     for memory in memories {
         let room = memory.room - memory.variables;
         writeln!(text, "| {} | {} | {room} |", memory.name, memory.stack)?;
