@@ -23,7 +23,7 @@ pub struct Options {
 }
 
 const RECORD: &str = "docs/transport.md";
-const SCENES: [&str; 2] = ["bidir-room.xml", "cornell-glass.xml"];
+const SCENES: [&str; 3] = ["bidir-room.xml", "cornell-glass.xml", "veach-mis.xml"];
 const WAYS: [(&str, &[&str]); 3] = [
     ("path", &["--integrator", "path"]),
     ("bdpt", &["--integrator", "bdpt"]),
