@@ -1,6 +1,6 @@
 //! What every mesh goes through between its file and the scene: placement, degenerate faces, normals, welding.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::math::{Affine, add, cross, dot, length, scaled, sub, unit};
 use crate::desc::{MeshDesc, Vec3};
@@ -31,14 +31,17 @@ impl RawMesh {
     /// As in Mitsuba 3: normals from the file, else smooth ones weighted by angle, unless `face_normals`. Where a
     /// triangle's winding contradicts its vertices' normals the normals decide, as they do there.
     pub fn place(&self, placement: Placement) -> (MeshDesc, usize) {
+        let (mut parts, dropped) = self.place_parts(placement, &vec![0; self.triangles.len()]);
+        (parts.remove(&0).unwrap_or_default(), dropped)
+    }
+
+    /// The same, in as many meshes as `part`, which has one number a triangle, has numbers: normals are those of the whole.
+    pub fn place_parts(&self, placement: Placement, part: &[usize]) -> (BTreeMap<usize, MeshDesc>, usize) {
         let to_world = placement.to_world;
         let vertices: Vec<Vec3> = self.positions.iter().map(|&p| to_world.point(p)).collect();
-        let mut triangles: Vec<[u32; 3]> = self
-            .triangles
-            .iter()
-            .copied()
-            .filter(|&t| has_area(corners(&vertices, t)))
-            .collect();
+        let whole = self.triangles.iter().copied().zip(part.iter().copied());
+        let (mut triangles, part): (Vec<[u32; 3]>, Vec<usize>) =
+            whole.filter(|&(t, _)| has_area(corners(&vertices, t))).unzip();
         let dropped = self.triangles.len() - triangles.len();
 
         let mut normals = Vec::new();
@@ -57,14 +60,14 @@ impl RawMesh {
             triangles.iter_mut().for_each(|t| t.swap(1, 2));
             normals.iter_mut().for_each(|n| *n = scaled(*n, -1.0));
         }
-        (
-            weld(&MeshDesc {
-                vertices,
-                triangles,
-                normals,
-            }),
-            dropped,
-        )
+        let mut parts: BTreeMap<usize, MeshDesc> = BTreeMap::new();
+        for (triangle, part) in triangles.into_iter().zip(part) {
+            parts.entry(part).or_default().triangles.push(triangle);
+        }
+        for mesh in parts.values_mut() {
+            *mesh = weld(&mesh.triangles, &vertices, &normals);
+        }
+        (parts, dropped)
     }
 }
 
@@ -115,17 +118,14 @@ fn smooth_normals(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
 }
 
 /// Joins vertices that are equal bit for bit in position and normal, and drops those no triangle uses.
-fn weld(mesh: &MeshDesc) -> MeshDesc {
+fn weld(triangles: &[[u32; 3]], vertices: &[Vec3], normals: &[Vec3]) -> MeshDesc {
     // Adding zero makes -0 into +0.
     let key = |v: Vec3| v.map(|x| (x + 0.0).to_bits());
     let mut seen = HashMap::new();
     let mut welded = MeshDesc::default();
-    for &triangle in &mesh.triangles {
+    for &triangle in triangles {
         welded.triangles.push(triangle.map(|index| {
-            let (vertex, normal) = (
-                mesh.vertices[index as usize],
-                mesh.normals.get(index as usize).copied(),
-            );
+            let (vertex, normal) = (vertices[index as usize], normals.get(index as usize).copied());
             *seen.entry((key(vertex), normal.map(key))).or_insert_with(|| {
                 welded.vertices.push(vertex);
                 welded.normals.extend(normal);

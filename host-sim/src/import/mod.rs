@@ -8,6 +8,7 @@ mod gltf;
 pub(crate) mod math;
 mod mesh;
 mod mitsuba;
+mod mtl;
 mod ngon;
 mod obj;
 mod pbr;
@@ -62,7 +63,8 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
             }
             match extension.as_str() {
                 "gltf" | "glb" => gltf::load(path),
-                _ => showcase::load(path),
+                "obj" => showcase::load_obj(path),
+                _ => showcase::load_ply(path),
             }
         }
         _ => {

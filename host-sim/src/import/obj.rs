@@ -1,4 +1,5 @@
-//! Wavefront OBJ: `v`, `vn`, `vt` and `f`, with faces of any number of corners and negative indices.
+//! Wavefront OBJ: `v`, `vn`, `vt` and `f`, with faces of any number of corners and negative indices; `usemtl` and `mtllib`
+//! where the file is a scene of its own.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -33,13 +34,29 @@ const KNOWN: [&str; 19] = [
     "bevel",
 ];
 
-/// Reads the whole file as one mesh, groups joined.
+/// Reads the whole file as one mesh, groups and materials joined.
 pub(super) fn read(path: &Path) -> Result<RawMesh, ImportError> {
+    Ok(read_parts(path)?.raw)
+}
+
+/// Reads the file with what it says of materials.
+pub(super) fn read_parts(path: &Path) -> Result<Parts, ImportError> {
     let text = std::fs::read(path).map_err(|error| ImportError::io(path, &error))?;
     parse(path, &String::from_utf8_lossy(&text))
 }
 
-fn parse(path: &Path, text: &str) -> Result<RawMesh, ImportError> {
+/// A mesh, and what its triangles are of.
+#[derive(Debug)]
+pub(super) struct Parts {
+    pub raw: RawMesh,
+    /// One a triangle: 0 is what no `usemtl` stands before, the others count `names` from 1.
+    pub part: Vec<usize>,
+    pub names: Vec<String>,
+    /// What follows each `mtllib`, with its line.
+    pub libraries: Vec<(u32, String)>,
+}
+
+fn parse(path: &Path, text: &str) -> Result<Parts, ImportError> {
     let file = statements(path, text)?;
     if file.faces.is_empty() {
         return Err(ImportError::new(
@@ -65,15 +82,19 @@ struct File {
     normals: Vec<Vec3>,
     textures: i64,
     faces: Vec<Face>,
+    materials: Vec<String>,
+    libraries: Vec<(u32, String)>,
 }
 
 struct Face {
     line: u32,
     corners: Vec<Corner>,
+    material: usize,
 }
 
 fn statements(path: &Path, text: &str) -> Result<File, ImportError> {
     let mut file = File::default();
+    let mut material = 0;
     for (line, content) in &logical_lines(text) {
         let mut words = content.split_whitespace();
         let Some(statement) = words.next() else { continue };
@@ -89,7 +110,20 @@ fn statements(path: &Path, text: &str) -> Result<File, ImportError> {
             "f" => file.faces.push(Face {
                 line: *line,
                 corners: corners(words, file.counts()).map_err(refuse)?,
+                material,
             }),
+            "usemtl" => {
+                let name = content.trim_start()[statement.len()..].trim();
+                let known = file.materials.iter().position(|known| known == name);
+                material = 1 + known.unwrap_or(file.materials.len());
+                if known.is_none() {
+                    file.materials.push(name.to_string());
+                }
+            }
+            "mtllib" => {
+                let names = content.trim_start()[statement.len()..].trim();
+                file.libraries.push((*line, names.to_string()));
+            }
             _ if KNOWN.contains(&statement) => {}
             _ => {
                 return Err(refuse(format!(
@@ -113,7 +147,7 @@ impl File {
 
     /// Corners that name the same become one vertex. Texture coordinates tell vertices apart (as in Mitsuba), their values
     /// mean nothing here. Normals stay only if every corner has one: half a set would leave the rest undefined.
-    fn mesh(&self, path: &Path) -> Result<RawMesh, ImportError> {
+    fn mesh(self, path: &Path) -> Result<Parts, ImportError> {
         let corners = || self.faces.iter().flat_map(|face| &face.corners);
         let complete = corners().all(|corner| corner.vn.is_some());
         let mut raw = RawMesh::default();
@@ -124,6 +158,7 @@ impl File {
         let mut known: HashMap<[Option<i64>; 3], u32> = HashMap::new();
         let mut cutter = Cutter::new();
         let mut face_indices = Vec::new();
+        let mut part = Vec::new();
         for face in &self.faces {
             face_indices.clear();
             for corner in &face.corners {
@@ -139,9 +174,15 @@ impl File {
             }
             let added = cutter.add(&mut raw, &face_indices);
             added.map_err(|what| ImportError::at(path, face.line, format!("f: this face {what}")))?;
+            part.resize(raw.triangles.len(), face.material);
         }
         raw.notes.extend(cutter.note());
-        Ok(raw)
+        Ok(Parts {
+            raw,
+            part,
+            names: self.materials,
+            libraries: self.libraries,
+        })
     }
 }
 
@@ -261,7 +302,8 @@ mod tests {
     use super::*;
 
     fn read_text(text: &str) -> Result<RawMesh, String> {
-        parse(Path::new("m.obj"), text).map_err(|error| error.to_string())
+        let parts = parse(Path::new("m.obj"), text).map_err(|error| error.to_string())?;
+        Ok(parts.raw)
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

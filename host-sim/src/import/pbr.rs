@@ -13,7 +13,7 @@ const GLOSSY: f64 = 0.7;
 /// Below this width of the lobe a surface is smooth.
 const SMOOTH: f64 = 1.0 / 1024.0;
 /// The core's narrowest Blinn–Phong lobe.
-const MAX_EXPONENT: f64 = 16384.0;
+pub(super) const MAX_EXPONENT: f64 = 16384.0;
 /// Brightest metal whose n and k are sought.
 const BRIGHTEST: f64 = 0.9995;
 /// The core's n and k end here.
@@ -35,6 +35,14 @@ pub(super) struct Mapped {
     pub bsdf: BsdfDesc,
     pub words: String,
     pub losses: Vec<String>,
+}
+
+impl Mapped {
+    /// With one loss more, if there is one.
+    pub fn losing(mut self, lost: bool, what: &str) -> Mapped {
+        self.losses.extend(lost.then(|| what.to_string()));
+        self
+    }
 }
 
 impl Pbr {

@@ -1,13 +1,14 @@
 //! What makes a scene of a model: a camera, a light and a floor, each where the file has none.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::math::{Affine, add, cross, dot, length, scaled, sub, unit};
 use super::mesh::Placement;
-use super::{ImportError, Loaded, read_mesh, stem};
+use super::mtl::{self, Mtl};
+use super::{ImportError, Loaded, obj, ply, stem};
 use crate::desc::{
-    BsdfDesc, CameraDesc, GeometryDesc, IntegratorDesc, IntegratorKind, LightDesc, NamedMaterial, SceneDesc,
-    ShapeDesc, Vec3,
+    BsdfDesc, CameraDesc, GeometryDesc, IntegratorDesc, IntegratorKind, LightDesc, MeshDesc, NamedMaterial,
+    SceneDesc, ShapeDesc, Vec3,
 };
 
 /// From the model towards the camera: from the right, the front and a little above.
@@ -99,35 +100,119 @@ impl Model {
     }
 }
 
-/// Reads an `.obj` or `.ply` as one mesh of one grey.
-pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
-    let raw = read_mesh(path)?;
-    let (mesh, dropped) = raw.place(Placement {
-        to_world: Affine::IDENTITY,
-        face_normals: false,
-        flip_normals: false,
-    });
-    let mut model = Model {
-        materials: vec![grey("surface", 0.7)],
-        ..Model::default()
-    };
-    let mut warnings = raw.notes.clone();
-    if dropped > 0 {
-        warnings.push(format!("{dropped} triangles without area are left out"));
-    }
-    model.warnings = warnings
-        .into_iter()
-        .map(|w| ImportError::new(path, w).to_string())
-        .collect();
-    if !mesh.triangles.is_empty() {
-        model.shapes.push(ShapeDesc {
-            name: stem(path),
-            geometry: GeometryDesc::Mesh(mesh),
-            material: 0,
-            emission: None,
-        });
+const AS_IS: Placement = Placement {
+    to_world: Affine::IDENTITY,
+    face_normals: false,
+    flip_normals: false,
+};
+
+/// Reads a `.ply` as one mesh of one grey.
+pub(super) fn load_ply(path: &Path) -> Result<Loaded, ImportError> {
+    let raw = ply::read(path)?;
+    let (mesh, dropped) = raw.place(AS_IS);
+    let mut model = Model::default();
+    model.read(path, &raw.notes, dropped);
+    model.add(stem(path), mesh, grey("surface", 0.7), None);
+    model.show(path)
+}
+
+/// Reads an `.obj` as one mesh for each material.
+pub(super) fn load_obj(path: &Path) -> Result<Loaded, ImportError> {
+    let file = obj::read_parts(path)?;
+    let (meshes, dropped) = file.raw.place_parts(AS_IS, &file.part);
+    let mut model = Model::default();
+    model.read(path, &file.raw.notes, dropped);
+    let library = model.libraries(path, &file.libraries)?;
+    let several = meshes.len() > 1;
+    for (part, mesh) in meshes {
+        let Some(name) = part.checked_sub(1).and_then(|index| file.names.get(index)) else {
+            model.add(stem(path), mesh, grey("surface", 0.7), None);
+            continue;
+        };
+        let shape = match several {
+            true => format!("{}, {name}", stem(path)),
+            false => stem(path),
+        };
+        let named = format!("material \"{name}\"");
+        let Some((from, mtl)) = library.iter().find(|(_, mtl)| mtl.name == *name) else {
+            if !library.is_empty() || file.libraries.is_empty() {
+                model.warn(path, &format!("{named} is in no mtllib: it is grey"));
+            }
+            model.add(shape, mesh, grey(&named, 0.7), None);
+            continue;
+        };
+        let mut mtl = mtl.clone();
+        mtl.mean_textures(from.parent().unwrap_or(Path::new("")));
+        let (mapped, emission) = (mtl.map(), mtl.emission());
+        let glow = if emission.is_some() { ", emits" } else { "" };
+        let note = format!("{named}: {}{glow}", mapped.words);
+        model.notes.push(ImportError::new(from, note).to_string());
+        for loss in mtl.losses.iter().chain(&mapped.losses) {
+            model.warn(from, &format!("{named}: {loss}"));
+        }
+        let material = NamedMaterial {
+            name: named,
+            two_sided: !mtl.is_glass(),
+            bsdf: mapped.bsdf,
+        };
+        model.add(shape, mesh, material, emission);
     }
     model.show(path)
+}
+
+impl Model {
+    fn warn(&mut self, path: &Path, what: &str) {
+        self.warnings.push(ImportError::new(path, what).to_string());
+    }
+
+    /// What is to be said about reading a mesh.
+    fn read(&mut self, path: &Path, notes: &[String], dropped: usize) {
+        notes.iter().for_each(|note| self.warn(path, note));
+        if dropped > 0 {
+            self.warn(path, &format!("{dropped} triangles without area are left out"));
+        }
+    }
+
+    fn add(&mut self, name: String, mesh: MeshDesc, material: NamedMaterial, emission: Option<Vec3>) {
+        if mesh.triangles.is_empty() {
+            return;
+        }
+        self.shapes.push(ShapeDesc {
+            name,
+            geometry: GeometryDesc::Mesh(mesh),
+            material: self.materials.len(),
+            emission,
+        });
+        self.materials.push(material);
+    }
+
+    /// The materials of all libraries that there are, each with its file.
+    fn libraries(
+        &mut self,
+        path: &Path,
+        libraries: &[(u32, String)],
+    ) -> Result<Vec<(PathBuf, Mtl)>, ImportError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut found = Vec::new();
+        for (line, names) in libraries {
+            // A name may have blanks in it, and a line several names.
+            let names = names.replace('\\', "/");
+            let each: Vec<PathBuf> = names.split_whitespace().map(|name| folder.join(name)).collect();
+            let files = match each.iter().any(|file| file.is_file()) {
+                true => each,
+                false => vec![folder.join(&names)],
+            };
+            for file in files {
+                if !file.is_file() {
+                    let what = format!("mtllib: no file {}: its materials are grey", file.display());
+                    self.warnings.push(ImportError::at(path, *line, what).to_string());
+                    continue;
+                }
+                found.extend(mtl::read(&file)?.into_iter().map(|mtl| (file.clone(), mtl)));
+            }
+        }
+        Ok(found)
+    }
 }
 
 /// What a surface is of that says nothing.

@@ -4,7 +4,7 @@ mod errors;
 mod gltf;
 mod material;
 mod mesh;
-mod ngon;
+mod obj;
 mod own;
 mod picture;
 mod shape;
