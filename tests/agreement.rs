@@ -209,6 +209,10 @@ fn strategies() {
             if light < from_light || light == 1 || other.camera < 2 {
                 continue;
             }
+            // Most of the sun's rays miss the room: joined by 1/d² in its corners, what is left has no variance to judge by.
+            if name == "sun" && light > 1 && camera > 1 {
+                continue;
+            }
             let found: Means = (0..SEEDS as usize)
                 .map(|i| found.get(i).copied().unwrap_or(0.0))
                 .collect();
@@ -219,6 +223,7 @@ fn strategies() {
         .with(|scene, camera| compare("cornell", scene, camera, 0))
         .unwrap();
     Room::Lamps.with(|scene, camera| compare("lamps", scene, camera, 0));
+    Room::Sun.with(|scene, camera| compare("sun", scene, camera, 0));
     // No ray meets a point light.
     Room::Points.with(|scene, camera| compare("points", scene, camera, 1));
 }

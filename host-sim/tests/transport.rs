@@ -59,7 +59,7 @@ fn the_core_agrees_with_the_reference() {
     let (direct, path) = (IntegratorKind::Direct, IntegratorKind::Path);
     let (bdpt, light) = (IntegratorKind::Bdpt, IntegratorKind::Light);
     let most = [(direct, false), (path, false), (bdpt, false), (bdpt, true)];
-    // Nothing but light tracing sees no mirror or glass, and starts no path in the sky.
+    // Nothing but light tracing sees no mirror or glass, nor all that a sky lights of an endless floor.
     let matt = [&most[..], &[(light, false)]].concat();
     for (name, ways, spp) in [
         ("cornell", &matt[..], 1024),

@@ -9,8 +9,8 @@ use crate::sampler::Sampler;
 ///
 /// Arvo, "Backward Ray Tracing", SIGGRAPH course notes 12, 1986; Dutré and Willems, "Importance-driven Monte Carlo Light
 /// Tracing", 1994. What the camera sees of the lights themselves comes back along its own rays. Mirrors and glass are
-/// black in it, since no path from a light meets the lens by them; and so is what is lit by lights that no path starts
-/// from: the sky, parallel light.
+/// black in it, since no path from a light meets the lens by them; and so is what a constant environment lights, and on
+/// infinite planes what skies and parallel light reach beside a ball about all finite shapes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LightTracer {
     /// Paths of at most this many segments: 1 for emission only, 2 for direct light.

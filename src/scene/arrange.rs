@@ -1,6 +1,6 @@
 //! Puts shapes into the order of a tree over them.
 
-use super::{Mesh, Shape};
+use super::{Mesh, Parts, Shape};
 use crate::bvh::{BuildError, Item, Node, SCENE_PAD, build_items};
 use crate::geom::{Point, REACH};
 use crate::light::Light;
@@ -148,6 +148,16 @@ pub(super) fn rectangle_reach(rectangle: &Rectangle) -> [i32; 3] {
     // Each product is rounded down, by less than one unit.
     let along = |half: i32, c: i32| mul_q16(half.clamp(0, REACH), c.clamp(-ONE_Q16, ONE_Q16).abs()) + 1;
     [0, 1, 2].map(|i| along(half[0], u.0[i]) + along(half[1], v.0[i]))
+}
+
+/// The corners of the box around all finite shapes, units; none if there are none.
+pub(super) fn finite_box(parts: &Parts) -> Option<(Point, Point)> {
+    let boxes = parts
+        .shapes
+        .iter()
+        .filter_map(|shape| reach(&shape.geometry, parts.meshes, parts.blobs));
+    let pick = |f: fn(i32, i32) -> i32, a: Point, b: Point| Point([0, 1, 2].map(|i| f(a.0[i], b.0[i])));
+    boxes.reduce(|(a, b), (c, d)| (pick(Ord::min, a, c), pick(Ord::max, b, d)))
 }
 
 /// The corners of a finite shape's box, units.

@@ -1,4 +1,5 @@
-use super::arrange::{coarsest, reach, rectangle_reach, shape_bounds};
+use super::arrange::{coarsest, finite_box, reach, rectangle_reach, shape_bounds};
+use super::distant::Ball;
 use super::{Parts, Scene};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::geom::{Dir, Point, REACH};
@@ -272,6 +273,7 @@ impl<'a> Scene<'a> {
             light_count,
             environment,
             depth,
+            ball: finite_box(&parts).map(Ball::around),
         })
     }
 }

@@ -7,11 +7,16 @@ use crate::num::{Uniform, Wide};
 use crate::shape::Geometry;
 
 impl Scene<'_> {
-    /// A ray of light from light number `index`; `None` where none can be drawn.
+    /// A ray of light from light number `index`, as [`Self::sample_light`] counts them; `None` where none can be drawn.
     ///
     /// What is divided by is the density of the light's own rays, without that of its choice.
     pub fn emit(&self, index: u32, place: [Uniform; 2], direction: [Uniform; 2]) -> Option<Emission> {
-        match *self.parts.lights.get(index as usize)? {
+        let Some(light) = self.parts.lights.get(index as usize) else {
+            let sample = self.environment_of(index)?.sample(direction)?;
+            let light = sample.radiance.scale(sample.pdf.recip());
+            return self.emit_from(sample.wi, light, sample.pdf, place);
+        };
+        match *light {
             Light::Point { position, intensity } => {
                 let bits = self.parts.unit.fraction_bits();
                 Some(light::emit_point(position, intensity, direction, bits))
@@ -27,11 +32,15 @@ impl Scene<'_> {
                 let emission = light::emit_area(emitter, radiance, [rest, place[1]], direction)?;
                 Some(Emission { triangle, ..emission })
             }
-            Light::Directional { .. } | Light::Environment { .. } => None,
+            Light::Directional {
+                direction,
+                irradiance,
+            } => self.emit_from(-direction, irradiance, Wide::ONE, place),
+            Light::Environment { .. } => None,
         }
     }
 
-    /// [`Emission::density`] of what light number `index` emits, from a triangle of it if it is a mesh; 0 where
+    /// [`Emission::density`] of what a light that has a place emits, from a triangle of it if it is a mesh; 0 where
     /// [`Self::emit`] draws nothing.
     pub fn emission_density(&self, index: u32, triangle: u32) -> Wide {
         match self.parts.lights.get(index as usize) {
@@ -46,6 +55,15 @@ impl Scene<'_> {
                 None => Wide::ZERO,
             },
             _ => Wide::ZERO,
+        }
+    }
+
+    /// [`Emission::density`] of the ray of light number `index` that arrives first at `from`, as a sample of it does.
+    pub fn sample_emission_density(&self, index: u32, sample: &LightSample, from: Point) -> Wide {
+        match self.parts.lights.get(index as usize) {
+            Some(Light::Directional { .. }) => self.distant_density(from, sample.wi),
+            None => sample.pdf * self.distant_density(from, sample.wi),
+            _ => self.emission_density(index, sample.triangle),
         }
     }
 
@@ -79,7 +97,9 @@ impl Scene<'_> {
                 };
                 self.shape_pdf(at, -emission.ray.dir, &hit)
             }
-            _ => Wide::ZERO,
+            Some(Light::Directional { .. }) => Wide::ONE,
+            Some(Light::Environment { .. }) => Wide::ZERO,
+            None => self.distant_pdf(emission),
         }
     }
 

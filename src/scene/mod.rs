@@ -10,6 +10,7 @@ mod arrange;
 mod builder;
 pub mod builtin;
 mod check;
+mod distant;
 mod emit;
 mod power;
 mod query;
@@ -21,6 +22,8 @@ use crate::light::{self, Emitter, Environment, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
 use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, TriangleMesh};
+
+use distant::Ball;
 
 pub use arrange::{Arrangement, Boxed, arrange};
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
@@ -79,6 +82,8 @@ pub struct Scene<'a> {
     light_count: u32,
     environment: Environment<'a>,
     depth: usize,
+    /// Around the finite shapes.
+    ball: Option<Ball>,
 }
 
 /// Where a ray met something.
@@ -253,11 +258,13 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The environment, if it is light number `index`.
+    fn environment_of(&self, index: u32) -> Option<&Environment<'a>> {
+        (index == self.light_count.wrapping_sub(1)).then_some(&self.environment)
+    }
+
     fn sample_background(&self, index: u32, u: [Uniform; 2]) -> Option<LightSample> {
-        if index != self.light_count.wrapping_sub(1) {
-            return None;
-        }
-        let sample = self.environment.sample(u)?;
+        let sample = self.environment_of(index)?.sample(u)?;
         Some(LightSample {
             wi: sample.wi,
             distance: FAR + 1,

@@ -1,8 +1,7 @@
 //! How much light each light sends into the scene, and the choice that follows it.
 
 use super::Scene;
-use super::arrange::reach;
-use crate::geom::Point;
+use super::arrange::finite_box;
 use crate::light::{Light, share_out};
 use crate::num::Wide;
 use crate::shape::Geometry;
@@ -60,19 +59,7 @@ impl<'a> Scene<'a> {
 
     /// Square of the radius of a ball about all finite shapes, units²; of a metre if there are none.
     fn extent_squared(&self) -> Wide {
-        let boxes = self
-            .parts
-            .shapes
-            .iter()
-            .filter_map(|shape| reach(&shape.geometry, self.parts.meshes, self.parts.blobs));
-        let both = |(a, b): (Point, Point), (c, d): (Point, Point)| {
-            let pick =
-                |f: fn(i32, i32) -> i32, a: Point, b: Point| Point([0, 1, 2].map(|i| f(a.0[i], b.0[i])));
-            (pick(Ord::min, a, c), pick(Ord::max, b, d))
-        };
-        let diagonal = boxes
-            .reduce(both)
-            .and_then(|(low, high)| low.to(high).normalize());
+        let diagonal = finite_box(&self.parts).and_then(|(low, high)| low.to(high).normalize());
         match diagonal {
             Some((_, norm)) => norm.square().shl(-2),
             None => Wide::new(1, 2 * self.parts.unit.fraction_bits()),

@@ -75,7 +75,7 @@ impl Scene<'_> {
         if self.is_small() {
             return self.any_of(0, ray, distance, except);
         }
-        if self.bounded() < self.parts.shapes.len() && self.any_of(self.bounded(), ray, distance, except) {
+        if self.planes_occlude(ray, distance, except) {
             return true;
         }
         let slopes = Slopes::new(ray.dir);
@@ -142,6 +142,12 @@ impl Scene<'_> {
     /// Whether asking each shape in turn is cheaper than the tree: a few closed forms.
     fn is_small(&self) -> bool {
         self.parts.bounded <= FEW && self.parts.meshes.is_empty()
+    }
+
+    /// Whether an infinite plane stands nearer than `distance`.
+    #[inline]
+    pub(super) fn planes_occlude(&self, ray: &Ray, distance: i32, except: usize) -> bool {
+        self.bounded() < self.parts.shapes.len() && self.any_of(self.bounded(), ray, distance, except)
     }
 
     /// Whether a closed form from place `first` on is met within `distance`.

@@ -5,11 +5,11 @@ use microlux::bvh::{Node, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point};
-use microlux::light::Light;
+use microlux::light::{Environment, Light, Sky};
 use microlux::material::{Dielectric, Material};
-use microlux::num::{Metres, Share};
-use microlux::scene::{MaterialId, Scene, SceneBuilder};
-use microlux::shape::{Disk, Rectangle, Sphere};
+use microlux::num::{Metres, Share, Turn};
+use microlux::scene::{Borrowed, MaterialId, Scene, SceneBuilder};
+use microlux::shape::{Disk, Plane, Rectangle, Sphere};
 
 /// Which room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,9 +24,21 @@ pub enum Room {
     Open,
     /// A wall behind lamps that the camera does not see, if it is told so, by a lens.
     Sky,
+    /// Matt walls without a ceiling and a ball, under a sky with a broad sun.
+    Sun,
+    /// A ball and a wall between two endless planes, in low light from behind and in light that one of the planes keeps
+    /// out, under a sky.
+    Yard,
 }
 
-pub const ROOMS: [Room; 4] = [Room::Lamps, Room::Points, Room::Caustics, Room::Sky];
+pub const ROOMS: [Room; 6] = [
+    Room::Lamps,
+    Room::Points,
+    Room::Caustics,
+    Room::Sky,
+    Room::Sun,
+    Room::Yard,
+];
 
 type Builder = SceneBuilder<16, 8, 8>;
 
@@ -69,6 +81,15 @@ fn walls(builder: &mut Builder, materials: [MaterialId; 3], open: bool) {
     wall(minus(z), x, y, materials[0]);
     wall(minus(x), y, z, materials[1]);
     wall(x, z, y, materials[2]);
+}
+
+fn gradient() -> Sky {
+    Sky::new(
+        dir([0.0, 1.0, 0.0]),
+        light([0.2, 0.3, 0.8]),
+        light([0.7, 0.7, 0.6]),
+        light([0.1, 0.2, 0.1]),
+    )
 }
 
 impl Room {
@@ -164,8 +185,55 @@ impl Room {
                     })
                     .unwrap();
             }
+            Room::Sun => {
+                walls(&mut builder, [white, red, green], true);
+                builder
+                    .shape(Sphere::new(at([0.3, -0.5, 0.0]), units(0.4)), white)
+                    .unwrap();
+            }
+            Room::Yard => {
+                // Much of the floor behind, which the sun reaches before it could enter a ball about what stands there.
+                camera = Camera::look_at(at([0.1, 1.5, 3.5]), at([0.0, -0.8, -1.5]), [1, 30, 2], tan_half)
+                    .unwrap();
+                builder
+                    .shape(Plane::new(at([0.0, -0.8, 0.0]), dir([0.0, 1.0, 0.0])), white)
+                    .unwrap();
+                builder
+                    .shape(Sphere::new(at([0.3, -0.4, 0.0]), units(0.4)), red)
+                    .unwrap();
+                let wall = rectangle([-0.8, -0.2, -0.2], [0.0, 0.6, 0.0], [0.0, 0.0, 0.7]);
+                builder.shape(wall, green).unwrap();
+                builder
+                    .shape(Plane::new(at([-1.0, 0.0, 0.0]), dir([1.0, 0.0, 0.0])), white)
+                    .unwrap();
+                for (direction, rgb) in [
+                    ([-0.3, -0.2, 1.0], [2.0, 1.7, 1.2]),
+                    ([1.0, -0.3, -0.2], [5.0, 6.0, 7.0]),
+                ] {
+                    let (direction, irradiance) = (dir(direction), light(rgb));
+                    builder
+                        .light(Light::Directional {
+                            direction,
+                            irradiance,
+                        })
+                        .unwrap();
+                }
+            }
         }
+        let sky = match self {
+            Room::Sun => Some(gradient().with_sun(
+                dir([0.4, 1.0, 0.5]),
+                Turn::from_num(0.06),
+                light([20.0, 16.0, 12.0]),
+            )),
+            Room::Yard => Some(gradient()),
+            _ => None,
+        };
+        let borrowed = Borrowed {
+            environment: sky.as_ref().map_or(Environment::None, Environment::Sky),
+            ..Borrowed::default()
+        };
         let mut nodes = [Node::EMPTY; max_nodes(16)];
-        render(&builder.build(&mut nodes).unwrap(), camera)
+        render(&builder.build_from(borrowed, &mut nodes).unwrap(), camera)
     }
 }

@@ -69,8 +69,8 @@ impl<const N: usize> Bdpt<N> {
                     } else if depth > Self::FULL_DEPTH {
                         bsdf_weight(bsdf_pdf, sample)
                     } else {
-                        // No light subpath begins there.
-                        weight(Wide::ZERO, partial.shorter_at_light(sample, Wide::ZERO))
+                        let emission = sample * scene.distant_density(ray.origin, ray.dir);
+                        weight(Wide::ZERO, partial.shorter_at_light(sample, emission))
                     };
                     let light = throughput.mul(scene.background(ray.dir));
                     found = found + light.max_channel() * weight;
@@ -200,7 +200,7 @@ impl<const N: usize> Bdpt<N> {
         };
         let weight = if at.depth < Self::FULL_DEPTH {
             let density = scene.sample_density(light, &sample) / count;
-            let emission = scene.emission_density(light, sample.triangle) / count;
+            let emission = scene.sample_emission_density(light, &sample, surface.point) / count;
             light_sample_weight(at, &sample, pdf, density, emission)
         } else if sample.is_delta() {
             Wide::ONE
