@@ -17,7 +17,7 @@ fn ray(random: &mut Random, scene: &Scene, met: Option<(Ray, Hit)>) -> Ray {
         Geometry::Disk(disk) => disk.center,
         Geometry::Rectangle(rectangle) => rectangle.center,
         Geometry::Mesh(mesh) => {
-            let mesh = &scene.parts().meshes[mesh as usize].triangles;
+            let mesh = scene.parts().meshes[mesh as usize].triangles.plain().unwrap();
             mesh.grid.to_scene(random.pick(mesh.vertices))
         }
         Geometry::Implicit(solid) => {

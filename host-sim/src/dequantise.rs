@@ -105,7 +105,7 @@ fn geometry(
     meshes: &[microlux::scene::Mesh],
     blobs: &[microlux::shape::Blob],
 ) -> Geometry {
-    use microlux::shape::Geometry as Core;
+    use microlux::shape::{Geometry as Core, Triangles};
     match *geometry {
         Core::Sphere(s) => Geometry::Sphere {
             center: frame.point(s.center),
@@ -134,12 +134,18 @@ fn geometry(
         Core::Implicit(ref solid) => Geometry::Implicit(Arc::new(implicit::implicit(frame, solid, blobs))),
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
-            let vertices = mesh
-                .vertices
-                .iter()
-                .map(|v| frame.point(mesh.grid.to_scene(*v)))
-                .collect();
-            let triangles = mesh.triangles.iter().map(|t| t.map(u32::from)).collect();
+            let vertex = |v: &[u16; 3]| frame.point(mesh.grid().to_scene(*v));
+            let (vertices, triangles) = match mesh {
+                Triangles::Plain(mesh) => (
+                    mesh.vertices.iter().map(vertex).collect(),
+                    mesh.triangles.iter().map(|t| t.map(u32::from)).collect(),
+                ),
+                Triangles::Packed(_) => {
+                    let corners: Vec<_> = mesh.numbers().filter_map(|number| mesh.corners(number)).collect();
+                    let threes = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+                    (corners.iter().flatten().map(vertex).collect(), threes.collect())
+                }
+            };
             Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, Vec::new())))
         }
     }

@@ -11,7 +11,7 @@ use microlux::light::{Environment, Light, Sky};
 use microlux::material::Material;
 use microlux::num::{Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
-use microlux::shape::{Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh, Triangles};
 use thiserror::Error;
 
 mod implicit;
@@ -97,7 +97,7 @@ impl OwnedMesh {
             triangles: &self.triangles,
         };
         Mesh {
-            triangles,
+            triangles: triangles.into(),
             nodes: &self.nodes,
         }
     }
@@ -418,11 +418,11 @@ impl Rounding {
         };
         let vertices: Vec<_> = mesh.vertices.iter().map(to_grid).collect();
         let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|i| i as u16)).collect();
-        let whole = TriangleMesh {
+        let whole = Triangles::Plain(TriangleMesh {
             grid,
             vertices: &vertices,
             triangles: &triangles,
-        };
+        });
         let kept: Vec<bool> = (0..triangles.len())
             .map(|i| whole.normal(i as u32).is_some())
             .collect();

@@ -17,7 +17,7 @@ use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::{Mesh, Scene};
+use microlux::scene::Scene;
 use rayon::prelude::*;
 
 pub use crate::picture::{Aov, Picture};
@@ -406,7 +406,6 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
     let parts = scene.parts();
     let mesh_nodes: usize = meshes.iter().map(|mesh| mesh.nodes.len()).sum();
     let nodes = parts.nodes.len() + mesh_nodes;
-    let mesh_bytes = |m: &Mesh| size_of_val(m.triangles.vertices) + size_of_val(m.triangles.triangles);
     let bits = core.unit.fraction_bits();
     let renderer = Renderer::new(
         &scene,
@@ -418,7 +417,7 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
     Ok(Info {
         shapes: parts.shapes.len(),
         meshes: meshes.len(),
-        triangles: meshes.iter().map(|mesh| mesh.triangles.triangles.len()).sum(),
+        triangles: meshes.iter().map(|mesh| mesh.triangles.count()).sum(),
         materials: parts.materials.len(),
         lights: parts.lights.len(),
         nodes,
@@ -432,7 +431,8 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
             ("radiance", "3 × u16 mantissa, i16 exponent".to_string()),
             ("density", "u16 mantissa, i16 exponent".to_string()),
         ],
-        bytes_geometry: size_of_val(parts.shapes) + meshes.iter().map(mesh_bytes).sum::<usize>(),
+        bytes_geometry: size_of_val(parts.shapes)
+            + meshes.iter().map(|mesh| mesh.triangles.bytes()).sum::<usize>(),
         bytes_bvh: nodes * size_of::<Node>(),
         bytes_normals: 0,
         bytes_rest: size_of_val(parts.materials)

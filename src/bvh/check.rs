@@ -1,6 +1,6 @@
 use super::node::{Child, Node};
 use super::{Item, MAX_DEPTH, MESH_PAD};
-use crate::shape::{Bounds, MeshError, TriangleMesh};
+use crate::shape::{Bounds, MeshError, PackedMesh, Triangles};
 use heapless::Vec;
 
 /// What is wrong with a tree from outside.
@@ -46,10 +46,51 @@ impl core::fmt::Display for CheckError {
 }
 
 /// Check a mesh and its tree; answers the depth.
-pub fn check_mesh(mesh: &TriangleMesh, nodes: &[Node]) -> Result<usize, CheckError> {
-    mesh.check().map_err(CheckError::Mesh)?;
-    let bounds = |i| mesh.corners(i).map(|c| Bounds::of(&c).pad(MESH_PAD));
-    check_tree(mesh.triangles.len(), bounds, nodes)
+pub fn check_mesh(mesh: &Triangles, nodes: &[Node]) -> Result<usize, CheckError> {
+    match mesh {
+        Triangles::Plain(mesh) => {
+            mesh.check().map_err(CheckError::Mesh)?;
+            let bounds = |i| mesh.corners(i).map(|c| Bounds::of(&c).pad(MESH_PAD));
+            check_tree(mesh.triangles.len(), bounds, nodes)
+        }
+        Triangles::Packed(mesh) => check_packed(mesh, nodes),
+    }
+}
+
+/// Each leaf of the stream is the next that the tree reaches, says as much as its node of how many triangles it has,
+/// and lies within all boxes above it.
+fn check_packed(mesh: &PackedMesh, nodes: &[Node]) -> Result<usize, CheckError> {
+    let mut leaves = mesh.each_leaf();
+    let mut leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
+        let found = base << 4 | (meta & 15) as u32;
+        let next = leaves.next();
+        let expected = next.map_or((mesh.leaves.len() as u32) << 4, |leaf| leaf.first());
+        let order = CheckError::Order {
+            node,
+            expected,
+            found,
+        };
+        let next = next.filter(|leaf| leaf.first() == found).ok_or(order)?;
+        if next.count != (meta >> 4) as u32 {
+            return Err(CheckError::Malformed { node });
+        }
+        mesh.check_leaf(next).map_err(CheckError::Mesh)?;
+        for primitive in found..found + next.count {
+            let bounds = mesh.corners(primitive).map(|c| Bounds::of(&c).pad(MESH_PAD));
+            if !bounds.is_some_and(|b| within.contains(b)) {
+                return Err(CheckError::Outside { primitive });
+            }
+        }
+        Ok(())
+    };
+    let depth = check_nodes(mesh.leaves.is_empty(), nodes, &mut leaf)?;
+    if leaves.at == mesh.leaves.len() && leaves.next().is_none() {
+        Ok(depth)
+    } else {
+        Err(CheckError::Unreached {
+            primitive: (leaves.at as u32) << 4,
+        })
+    }
 }
 
 /// Check a tree over items with boxes; answers the depth.
@@ -77,6 +118,37 @@ pub(crate) fn check_tree(
     nodes: &[Node],
 ) -> Result<usize, CheckError> {
     let mut next = 0u32;
+    let mut leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
+        let (found, count) = (base + (meta & 15) as u32, (meta >> 4) as u32);
+        if found != next {
+            return Err(CheckError::Order {
+                node,
+                expected: next,
+                found,
+            });
+        }
+        for primitive in found..found + count {
+            let inside = bounds(primitive).is_some_and(|b| within.contains(b));
+            if !inside {
+                return Err(CheckError::Outside { primitive });
+            }
+        }
+        next += count;
+        Ok(())
+    };
+    let depth = check_nodes(count == 0, nodes, &mut leaf)?;
+    if next as usize == count {
+        Ok(depth)
+    } else {
+        Err(CheckError::Unreached { primitive: next })
+    }
+}
+
+/// What looks at a leaf: its node's index and primitive base, its meta, and what all boxes above it have in common.
+type CheckLeaf<'a> = &'a mut dyn FnMut(u32, u32, u8, Bounds) -> Result<(), CheckError>;
+
+/// Nodes alone: indices, depth, slots; leaves are looked at in the order that the builder makes.
+fn check_nodes(is_empty: bool, nodes: &[Node], leaf: CheckLeaf) -> Result<usize, CheckError> {
     let mut depth = 0;
     let whole = Bounds {
         low: [0; 3],
@@ -84,7 +156,7 @@ pub(crate) fn check_tree(
     };
     let mut jobs: Vec<Job, { 3 * MAX_DEPTH + 1 }> = Vec::new();
     // A tree over nothing has no nodes: a traversal would begin at the first.
-    if count > 0 || !nodes.is_empty() {
+    if !is_empty || !nodes.is_empty() {
         jobs.extend([Job {
             node: 0,
             level: 1,
@@ -103,28 +175,13 @@ pub(crate) fn check_tree(
             return Err(CheckError::Malformed { node: index });
         }
         for slot in 0..4 {
-            let within = common(job.within, node.bounds(slot));
-            match node.child(node.meta[slot]) {
-                Child::None if node.meta[slot] != 0 => return Err(CheckError::Malformed { node: index }),
-                Child::Node(_) if node.meta[slot] & 0x7c != 0 => {
+            let (meta, within) = (node.meta[slot], common(job.within, node.bounds(slot)));
+            match node.child(meta) {
+                Child::None if meta != 0 => return Err(CheckError::Malformed { node: index }),
+                Child::Node(_) if meta & 0x7c != 0 => {
                     return Err(CheckError::Malformed { node: index });
                 }
-                Child::Leaf { first, count } => {
-                    if first != next {
-                        return Err(CheckError::Order {
-                            node: index,
-                            expected: next,
-                            found: first,
-                        });
-                    }
-                    for primitive in first..first + count {
-                        let inside = bounds(primitive).is_some_and(|b| within.contains(b));
-                        if !inside {
-                            return Err(CheckError::Outside { primitive });
-                        }
-                    }
-                    next += count;
-                }
+                Child::Leaf => leaf(index, node.primitives(), meta, within)?,
                 _ => {}
             }
         }
@@ -140,11 +197,7 @@ pub(crate) fn check_tree(
             }
         }
     }
-    if next as usize == count {
-        Ok(depth)
-    } else {
-        Err(CheckError::Unreached { primitive: next })
-    }
+    Ok(depth)
 }
 
 /// The box that both contain.

@@ -4,20 +4,14 @@ use super::node::Node;
 use super::traverse::{Visitor, traverse};
 use crate::geom::Ray;
 use crate::shape::triangle::{TriangleHit, intersect};
-use crate::shape::{DEPTH_BITS, GridRay, MeshHit, Slopes, TriangleMesh, corners};
+use crate::shape::{DEPTH_BITS, GridRay, Leaf, MeshHit, Slopes, Triangles};
 use core::ops::ControlFlow;
 
-/// The nearest hit at a distance under `t_max`; of equal depths (1/16 step) that of the lowest index.
+/// The nearest hit at a distance under `t_max`; of equal depths (1/16 step) that of the lowest number.
 ///
 /// `nodes` is the mesh's tree, of [`super::build_mesh`] or past [`super::check_mesh`].
-pub fn closest(
-    mesh: &TriangleMesh,
-    nodes: &[Node],
-    ray: &Ray,
-    slopes: &Slopes,
-    t_max: i32,
-) -> Option<MeshHit> {
-    let ray = GridRay::enter(&mesh.grid, ray, slopes)?;
+pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
+    let ray = GridRay::enter(mesh.grid(), ray, slopes)?;
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
     let mut nearest = Nearest::within(mesh, depth);
@@ -26,16 +20,16 @@ pub fn closest(
 }
 
 /// The same answer from all triangles in turn.
-pub fn closest_linear(mesh: &TriangleMesh, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
-    let ray = GridRay::enter(&mesh.grid, ray, slopes)?;
+pub fn closest_linear(mesh: &Triangles, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
+    let ray = GridRay::enter(mesh.grid(), ray, slopes)?;
     let mut nearest = Nearest::within(mesh, i32::MAX);
     let _ = visit_all(mesh, &ray, &mut nearest);
     nearest.hit(&ray, t_max)
 }
 
 /// Whether anything is hit at a distance under `t_max`: exactly where [`closest`] answers something.
-pub fn occluded(mesh: &TriangleMesh, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> bool {
-    let Some(ray) = GridRay::enter(&mesh.grid, ray, slopes) else {
+pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> bool {
+    let Some(ray) = GridRay::enter(mesh.grid(), ray, slopes) else {
         return false;
     };
     let mut any = Any {
@@ -49,8 +43,8 @@ pub fn occluded(mesh: &TriangleMesh, nodes: &[Node], ray: &Ray, slopes: &Slopes,
 }
 
 /// The same answer from all triangles in turn.
-pub fn occluded_linear(mesh: &TriangleMesh, ray: &Ray, slopes: &Slopes, t_max: i32) -> bool {
-    let Some(ray) = GridRay::enter(&mesh.grid, ray, slopes) else {
+pub fn occluded_linear(mesh: &Triangles, ray: &Ray, slopes: &Slopes, t_max: i32) -> bool {
+    let Some(ray) = GridRay::enter(mesh.grid(), ray, slopes) else {
         return false;
     };
     visit_all(
@@ -66,18 +60,30 @@ pub fn occluded_linear(mesh: &TriangleMesh, ray: &Ray, slopes: &Slopes, t_max: i
     .is_break()
 }
 
-fn visit_all(mesh: &TriangleMesh, ray: &GridRay, visitor: &mut impl Visitor) -> ControlFlow<()> {
-    let count = mesh.triangles.len() as u32;
+fn visit_all(mesh: &Triangles, ray: &GridRay, visitor: &mut impl Visitor) -> ControlFlow<()> {
     match ray.axis {
-        0 => visitor.visit::<0>(ray, 0, count),
-        1 => visitor.visit::<1>(ray, 0, count),
-        _ => visitor.visit::<2>(ray, 0, count),
+        0 => visit_each::<0>(mesh, ray, visitor),
+        1 => visit_each::<1>(mesh, ray, visitor),
+        _ => visit_each::<2>(mesh, ray, visitor),
     }
 }
 
-/// The nearest hit so far, by depth and then by index.
+fn visit_each<const K: usize>(
+    mesh: &Triangles,
+    ray: &GridRay,
+    visitor: &mut impl Visitor,
+) -> ControlFlow<()> {
+    match mesh {
+        Triangles::Plain(mesh) => visitor.visit::<K>(ray, 0, (mesh.triangles.len() as u32) << 4),
+        Triangles::Packed(mesh) => mesh
+            .each_leaf()
+            .try_for_each(|leaf| visitor.visit::<K>(ray, leaf.block, leaf.count << 4 | leaf.place << 2)),
+    }
+}
+
+/// The nearest hit so far, by depth and then by number.
 struct Nearest<'a> {
-    mesh: &'a TriangleMesh<'a>,
+    mesh: &'a Triangles<'a>,
     hit: TriangleHit,
     triangle: u32,
 }
@@ -86,7 +92,7 @@ impl<'a> Nearest<'a> {
     const NONE: u32 = u32::MAX;
 
     /// Nothing yet, and nothing beyond a depth.
-    fn within(mesh: &'a TriangleMesh<'a>, depth: i32) -> Nearest<'a> {
+    fn within(mesh: &'a Triangles<'a>, depth: i32) -> Nearest<'a> {
         Nearest {
             mesh,
             hit: TriangleHit { depth, b1: 0, b2: 0 },
@@ -115,14 +121,16 @@ impl Visitor for Nearest<'_> {
 
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
-    fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
-        for (&triangle, index) in triangles(self.mesh, first, count).iter().zip(first..) {
-            let met = corners(self.mesh.vertices, triangle).and_then(|c| intersect::<K>(ray, c));
-            if let Some(hit) = met
-                && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && index < self.triangle))
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        let mut number = self.mesh.first(base, leaf);
+        let mut triangles = Leaf::open(self.mesh, base, leaf);
+        while let Some(corners) = triangles.next() {
+            if let Some(hit) = intersect::<K>(ray, corners)
+                && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle))
             {
-                (self.hit, self.triangle) = (hit, index);
+                (self.hit, self.triangle) = (hit, number);
             }
+            number += 1;
         }
         ControlFlow::Continue(())
     }
@@ -130,7 +138,7 @@ impl Visitor for Nearest<'_> {
 
 /// Whether anything is in the way.
 struct Any<'a> {
-    mesh: &'a TriangleMesh<'a>,
+    mesh: &'a Triangles<'a>,
     limit: i32,
     t_max: i32,
     found: bool,
@@ -144,9 +152,10 @@ impl Visitor for Any<'_> {
 
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
-    fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
-        for &triangle in triangles(self.mesh, first, count) {
-            let met = corners(self.mesh.vertices, triangle).and_then(|c| intersect::<K>(ray, c));
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        let mut triangles = Leaf::open(self.mesh, base, leaf);
+        while let Some(corners) = triangles.next() {
+            let met = intersect::<K>(ray, corners);
             if met.is_some_and(|hit| ray.distance(hit.depth) < self.t_max) {
                 self.found = true;
                 return ControlFlow::Break(());
@@ -156,19 +165,12 @@ impl Visitor for Any<'_> {
     }
 }
 
-/// The triangles of a leaf; none if the mesh has not got them all.
-#[inline(always)]
-fn triangles<'a>(mesh: &TriangleMesh<'a>, first: u32, count: u32) -> &'a [[u16; 3]] {
-    let first = first as usize;
-    mesh.triangles.get(first..first + count as usize).unwrap_or(&[])
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bvh::{build_mesh, max_nodes};
     use crate::geom::{Dir, Point};
-    use crate::shape::Grid;
+    use crate::shape::{Grid, TriangleMesh};
 
     /// A hundred times the same triangle, turned by its corners: the tree's order is not the list's.
     #[test]
@@ -186,11 +188,11 @@ mod tests {
         let mut nodes = std::vec![Node::EMPTY; max_nodes(100)];
         let used = build_mesh(&vertices, &mut triangles, &mut nodes).unwrap();
         let grid = Grid::new(Point([0; 3]), 0).unwrap();
-        let mesh = TriangleMesh {
+        let mesh = Triangles::Plain(TriangleMesh {
             grid,
             vertices: &vertices,
             triangles: &triangles,
-        };
+        });
         let first = triangles.iter().position(|t| !t.contains(&3)).unwrap() as u32;
         for dir in [Dir::Z, Dir([300, -200, 65535])] {
             let (ray, slopes) = (
@@ -212,11 +214,11 @@ mod tests {
     fn what_the_border_would_refuse_is_a_miss() {
         let vertices = [[100, 100, 9000], [60000, 200, 9000], [300, 50000, 9000]];
         let grid = Grid::new(Point([0; 3]), 0).unwrap();
-        let mesh = TriangleMesh {
+        let mesh = Triangles::Plain(TriangleMesh {
             grid,
             vertices: &vertices,
             triangles: &[[0, 1, 3]],
-        };
+        });
         let ray = Ray {
             origin: Point([1000, 1000, 8]),
             dir: Dir::Z,

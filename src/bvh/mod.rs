@@ -2,7 +2,7 @@
 //!
 //! A tree stands over the triangles of one mesh, in the mesh's [`crate::shape::Grid`], or over the boxes of whole
 //! shapes, in the scene's. The same node, builder and traversal serve both. Every decision is an exact predicate of
-//! the ray as the grid sees it, boxes round outwards, and equal depths go to the lower index: so a tree answers what
+//! the ray as the grid sees it, boxes round outwards, and equal depths go to the lower number: so a tree answers what
 //! a linear scan answers, primitive and distance, bit for bit.
 
 mod build;
@@ -16,7 +16,7 @@ pub(crate) use check::check_tree;
 pub use check::{CheckError, check_items, check_mesh};
 pub use mesh::{closest, closest_linear, occluded, occluded_linear};
 pub use node::Node;
-pub use traverse::{Visitor, traverse};
+pub use traverse::{Visitor, primitives, traverse};
 
 /// Most levels of nodes a tree may have.
 pub const MAX_DEPTH: usize = 13;

@@ -12,7 +12,8 @@ use crate::shape::Bounds;
 /// | 36, 37 | node base: the first inner child |
 /// | 38, 39 | bits 0 ..= 15 of the primitive base: the first primitive of the first leaf |
 ///
-/// Planes and meta come first since a Thumb-1 byte load reaches 31 bytes. Little-endian in flash.
+/// Over a [`crate::shape::PackedMesh`] the primitive base is the offset of the node's block, and a leaf's offset four
+/// times its place in it. Planes and meta come first since a Thumb-1 byte load reaches 31 bytes. Little-endian in flash.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Node {
@@ -37,7 +38,7 @@ const _: () = assert!(core::mem::offset_of!(Node, nodes) == 36);
 pub(crate) enum Child {
     None,
     Node(u16),
-    Leaf { first: u32, count: u32 },
+    Leaf,
 }
 
 impl Node {
@@ -117,9 +118,9 @@ impl Node {
         self.meta[slot & 3] = meta;
     }
 
-    /// The first primitive of the node's leaves.
+    /// The first primitive of the node's leaves, or, of a packed mesh, where their block begins.
     #[inline(always)]
-    const fn primitives(&self) -> u32 {
+    pub(crate) const fn primitives(&self) -> u32 {
         (self.primitives_high as u32) << 16 | self.primitives_low as u32
     }
 
@@ -129,20 +130,11 @@ impl Node {
         self.nodes.wrapping_add((meta & 3) as u16)
     }
 
-    /// The first primitive of a leaf.
-    #[inline(always)]
-    pub(crate) const fn primitive(&self, meta: u8) -> u32 {
-        self.primitives() + (meta & 15) as u32
-    }
-
     pub(crate) const fn child(&self, meta: u8) -> Child {
         if meta & 0x80 != 0 {
             Child::Node(self.node(meta))
         } else if meta >= 0x10 {
-            Child::Leaf {
-                first: self.primitive(meta),
-                count: (meta >> 4) as u32,
-            }
+            Child::Leaf
         } else {
             Child::None
         }
@@ -197,13 +189,7 @@ mod tests {
                 high: [1009, 300, 1300]
             }
         );
-        assert_eq!(
-            node.child(node.meta[1]),
-            Child::Leaf {
-                first: 70_003,
-                count: 2
-            }
-        );
+        assert_eq!(node.child(node.meta[1]), Child::Leaf);
         assert_eq!(node.child(0x82), Child::Node(7));
         assert_eq!(node.child(node.meta[0]), Child::None);
     }

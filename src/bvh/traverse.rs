@@ -38,8 +38,16 @@ pub trait Visitor {
     /// nothing at all. Asked again at each node, so it may shrink.
     fn limit(&self) -> i32;
 
-    /// Look at the primitives `first` .. `first + count`; `K` is the ray's dominant axis. Break to stop.
-    fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()>;
+    /// Look at a leaf: `leaf` / 16 primitives, the first of them `leaf` % 16 after `base` (or as a packed mesh has it);
+    /// `K` is the ray's dominant axis. Break to stop.
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()>;
+}
+
+/// The primitives of a leaf: what [`Visitor::visit`] is given.
+#[inline(always)]
+pub fn primitives(base: u32, leaf: u32) -> core::ops::Range<u32> {
+    let first = base + (leaf & 15);
+    first..first + (leaf >> 4)
 }
 
 /// Visit each leaf whose box the ray may meet before the visitor's limit.
@@ -77,10 +85,7 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
                             // It fits: the border bounds the depth.
                             let _ = stack.push(farther);
                         }
-                    } else if visitor
-                        .visit::<K>(ray, node.primitive(meta), (meta >> 4) as u32)
-                        .is_break()
-                    {
+                    } else if visitor.visit::<K>(ray, node.primitives(), meta as u32).is_break() {
                         return;
                     }
                 }

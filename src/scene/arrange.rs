@@ -130,7 +130,7 @@ fn scene_grid(shapes: &[Shape], meshes: &[Mesh], blobs: &[Blob]) -> Grid {
 /// A mesh sees rays to a few of its own steps: [`SCENE_PAD`] covers that as long as the scene's are no smaller.
 pub(super) fn coarsest(shapes: &[Shape], meshes: &[Mesh]) -> Option<(u32, u16)> {
     let placed = shapes.iter().filter_map(|shape| match shape.geometry {
-        Geometry::Mesh(index) => Some((meshes.get(index as usize)?.triangles.grid.shift(), index)),
+        Geometry::Mesh(index) => Some((meshes.get(index as usize)?.triangles.grid().shift(), index)),
         _ => None,
     });
     placed.max_by_key(|(shift, _)| *shift)
@@ -177,8 +177,8 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh], blobs: &[Blob]) -> Opt
             let bounds = mesh.triangles.bounds();
             (bounds.low[0] <= bounds.high[0]).then(|| {
                 (
-                    mesh.triangles.grid.to_scene(bounds.low),
-                    mesh.triangles.grid.to_scene(bounds.high),
+                    mesh.triangles.grid().to_scene(bounds.low),
+                    mesh.triangles.grid().to_scene(bounds.high),
                 )
             })
         }

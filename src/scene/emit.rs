@@ -26,7 +26,7 @@ impl Scene<'_> {
                 let Geometry::Mesh(mesh) = *geometry else {
                     return light::emit_area(Emitter::Shape(geometry), radiance, place, direction);
                 };
-                let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
+                let count = self.drawn_triangles(mesh)?;
                 let (triangle, rest) = light::choose(place[0], count);
                 let emitter = self.triangle(mesh, triangle)?;
                 let emission = light::emit_area(emitter, radiance, [rest, place[1]], direction)?;

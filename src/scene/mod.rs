@@ -21,7 +21,7 @@ use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
 use crate::material::{Local, Material};
 use crate::num::{Uniform, Wide};
-use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, TriangleMesh};
+use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, Triangles};
 
 use distant::Ball;
 
@@ -45,7 +45,7 @@ pub struct Shape {
 /// A triangle mesh with the tree over it.
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh<'a> {
-    pub triangles: TriangleMesh<'a>,
+    pub triangles: Triangles<'a>,
     pub nodes: &'a [Node],
 }
 
@@ -93,7 +93,7 @@ pub struct Hit {
     pub t: i32,
     /// Index into the scene's shapes.
     pub shape: u16,
-    /// Index of the triangle, in a mesh.
+    /// Number of the triangle, in a mesh.
     pub triangle: u32,
     /// Weights of the triangle's second and third corner, Q16.
     pub barycentric: [i32; 2],
@@ -248,7 +248,7 @@ impl<'a> Scene<'a> {
                         ..sample
                     });
                 };
-                let count = self.parts.meshes.get(mesh as usize)?.triangles.triangles.len() as u32;
+                let count = self.drawn_triangles(mesh)?;
                 let (triangle, rest) = light::choose(u[0], count);
                 let sample =
                     light::sample_area(self.triangle(mesh, triangle)?, radiance, from, [rest, u[1]])?;
@@ -298,15 +298,23 @@ impl<'a> Scene<'a> {
         emitter.map_or(Wide::ZERO, |emitter| light::pdf_area(emitter, from, wi, hit.t))
     }
 
+    /// How many triangles a mesh that emits light is drawn from. Those of a packed mesh are not: their numbers have gaps,
+    /// and it is found by BSDF sampling alone, with weight 1.
+    fn drawn_triangles(&self, mesh: u16) -> Option<u32> {
+        let mesh = self.parts.meshes.get(mesh as usize)?;
+        Some(mesh.triangles.plain()?.triangles.len() as u32)
+    }
+
     /// A triangle as one of its mesh's, any of which may be drawn.
     fn triangle(&self, mesh: u16, triangle: u32) -> Option<Emitter<'a>> {
+        let count = self.drawn_triangles(mesh)?;
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         Some(Emitter::Triangle {
-            corners: mesh.corners(triangle)?.map(|corner| mesh.grid.to_scene(corner)),
+            corners: mesh.corners(triangle)?.map(|corner| mesh.grid().to_scene(corner)),
             normal: mesh.normal(triangle)?,
             lift: mesh.offset(),
             area: mesh.double_area(triangle).shl(-1),
-            chance: Wide::new(mesh.triangles.len() as u32, 0).recip(),
+            chance: Wide::new(count, 0).recip(),
         })
     }
 

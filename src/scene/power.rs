@@ -47,8 +47,8 @@ impl<'a> Scene<'a> {
             Some(Geometry::Sphere(sphere)) => sphere.radius_squared() * Wide::PI.shl(2),
             Some(Geometry::Disk(disk)) => disk.area(),
             Some(Geometry::Rectangle(rectangle)) => rectangle.area(),
-            Some(Geometry::Mesh(mesh)) => match self.parts.meshes.get(mesh as usize) {
-                Some(mesh) => (0..mesh.triangles.triangles.len() as u32)
+            Some(Geometry::Mesh(index)) => match self.parts.meshes.get(index as usize) {
+                Some(mesh) => (0..self.drawn_triangles(index).unwrap_or(0))
                     .map(|triangle| mesh.triangles.double_area(triangle).shl(-1))
                     .fold(Wide::ZERO, Wide::add),
                 None => Wide::ZERO,

@@ -325,8 +325,8 @@ impl Visitor for Nearest<'_> {
     }
 
     #[inline]
-    fn visit<const K: usize>(&mut self, ray: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
-        for index in first..first + count {
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        for index in bvh::primitives(base, leaf) {
             if self.test(index as usize) {
                 self.limit = depth_limit(ray, self.t_max + 1);
             }
@@ -353,9 +353,9 @@ impl Visitor for Any<'_> {
     }
 
     #[inline]
-    fn visit<const K: usize>(&mut self, _: &GridRay, first: u32, count: u32) -> ControlFlow<()> {
+    fn visit<const K: usize>(&mut self, _: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let parts = &self.scene.parts;
-        for index in (first..first + count).filter(|index| *index as usize != self.except) {
+        for index in bvh::primitives(base, leaf).filter(|index| *index as usize != self.except) {
             let Some(shape) = parts.shapes.get(index as usize) else {
                 continue;
             };

@@ -7,11 +7,13 @@
 mod grid;
 mod implicit;
 mod mesh;
+mod packed;
 mod planar;
 pub mod polygon;
 mod sight;
 mod sphere;
 pub(crate) mod triangle;
+mod triangles;
 
 use crate::geom::{Dir, Point, Ray};
 
@@ -23,9 +25,12 @@ pub use implicit::{
 };
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
+pub use packed::{PackedMesh, Treelet};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
 pub(crate) use sight::Sight;
 pub use sphere::Sphere;
+pub(crate) use triangles::Leaf;
+pub use triangles::Triangles;
 
 /// Where a shape is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -498,7 +498,8 @@ fn with_mesh(
             grid,
             vertices,
             triangles,
-        },
+        }
+        .into(),
         nodes: &tree[..nodes],
     }];
     let (mut b, white) = builder();
@@ -768,7 +769,8 @@ fn a_mesh_coarser_than_the_scene() {
             grid: Grid::new(CENTER, shift).unwrap(),
             vertices: &VERTICES,
             triangles: &triangles,
-        },
+        }
+        .into(),
         nodes: &tree,
     };
     let mut b = Builder::new();

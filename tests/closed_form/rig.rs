@@ -269,7 +269,8 @@ impl<'a> Stage<'a> {
                     grid: mesh.grid,
                     vertices: &mesh.vertices,
                     triangles: &mesh.triangles,
-                },
+                }
+                .into(),
                 nodes: &mesh.nodes,
             })
             .collect();

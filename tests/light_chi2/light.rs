@@ -101,7 +101,8 @@ fn mesh() {
             grid,
             vertices: &vertices,
             triangles: &triangles,
-        },
+        }
+        .into(),
         nodes: &nodes[..used],
     };
     assert_shape(

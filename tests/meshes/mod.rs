@@ -2,7 +2,7 @@
 
 use microlux::bvh::{Node, build_mesh, check_mesh, max_nodes};
 use microlux::geom::{Dir, Point, Ray};
-use microlux::shape::{Grid, TriangleMesh};
+use microlux::shape::{Grid, TriangleMesh, Triangles};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -25,7 +25,7 @@ impl Model {
             vertices: &vertices,
             triangles: &triangles,
         };
-        let depth = check_mesh(&mesh, &nodes).unwrap();
+        let depth = check_mesh(&mesh.into(), &nodes).unwrap();
         let each = used as f64 / triangles.len() as f64;
         println!(
             "{name}: {} triangles, {used} nodes ({each:.3} each), depth {depth}",
@@ -59,12 +59,12 @@ impl Model {
         Model::new(name, grid, vertices, triangles)
     }
 
-    pub fn mesh(&self) -> TriangleMesh<'_> {
-        TriangleMesh {
+    pub fn mesh(&self) -> Triangles<'_> {
+        Triangles::Plain(TriangleMesh {
             grid: self.grid,
             vertices: &self.vertices,
             triangles: &self.triangles,
-        }
+        })
     }
 }
 
@@ -278,9 +278,11 @@ pub fn soup(count: u32, shift: u8) -> Model {
 
 /// The OBJ files beside the repository, by name; none where they are not.
 pub fn files() -> Vec<Model> {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/meshes");
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        println!("no meshes in {folder}: only the generated ones are tested");
+    // From the core's folder, or from that of a package within it.
+    let here = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["../shared/meshes", "../../shared/meshes"].map(|folder| here.join(folder));
+    let Some(entries) = folders.iter().find_map(|folder| std::fs::read_dir(folder).ok()) else {
+        println!("no meshes in {folders:?}: only the generated ones are tested");
         return Vec::new();
     };
     let mut paths: Vec<_> = entries

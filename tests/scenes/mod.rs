@@ -79,7 +79,8 @@ impl Model {
                 grid: self.grid,
                 vertices: &self.vertices,
                 triangles: &self.triangles,
-            },
+            }
+            .into(),
             nodes: &self.nodes,
         }
     }

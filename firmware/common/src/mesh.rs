@@ -28,7 +28,8 @@ pub fn mesh() -> Mesh<'static> {
             grid: grid(),
             vertices: &VERTICES,
             triangles: &TRIANGLES,
-        },
+        }
+        .into(),
         nodes: &NODES,
     }
 }

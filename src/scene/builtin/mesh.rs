@@ -1,6 +1,6 @@
 use crate::bvh::{Node, build_mesh};
 use crate::scene::{Mesh, SceneError};
-use crate::shape::{Grid, TriangleMesh};
+use crate::shape::{Grid, TriangleMesh, Triangles};
 
 /// A mesh by value: `V` vertices, `T` triangles and room for `N` nodes ([`crate::bvh::max_nodes`]), with the tree built.
 #[derive(Clone, Debug)]
@@ -34,11 +34,11 @@ impl<const V: usize, const T: usize, const N: usize> OwnedMesh<V, T, N> {
     /// As a scene borrows it.
     pub fn mesh(&self) -> Mesh<'_> {
         Mesh {
-            triangles: TriangleMesh {
+            triangles: Triangles::Plain(TriangleMesh {
                 grid: self.grid,
                 vertices: &self.vertices,
                 triangles: &self.triangles,
-            },
+            }),
             nodes: self.nodes.get(..self.used).unwrap_or(&[]),
         }
     }

@@ -114,7 +114,7 @@ mod tests {
 
     /// Each edge is run along once in each direction, and the enclosed volume (divergence theorem) is positive.
     fn assert_closed_and_outward(mesh: Mesh) {
-        let triangles = &mesh.triangles;
+        let triangles = mesh.triangles.plain().unwrap();
         let mut edges = BTreeSet::new();
         let mut volume = 0;
         for (i, [a, b, c]) in triangles.triangles.iter().copied().enumerate() {

@@ -69,7 +69,7 @@ fn render(seed: u32) -> Option<()> {
         triangles: &triangles,
     };
     let meshes = [Mesh {
-        triangles,
+        triangles: triangles.into(),
         nodes: &mesh_nodes[..used],
     }];
     builder.shape(Geometry::Mesh(0), red).ok()?;

@@ -1,0 +1,5 @@
+//! Meshes for flash.
+
+mod pack;
+
+pub use pack::{PackError, Packed};

@@ -1,0 +1,393 @@
+//! Triangles that take a few bytes each in flash: vertices in groups, indices of one byte, edges said once.
+//!
+//! The stream of leaves is a row of blocks, one for each node that has leaves, in the order in which
+//! [`crate::bvh::check_mesh`] meets the nodes; a node's primitive base is its block's offset.
+//!
+//! | part of a block | what |
+//! |---|---|
+//! | u16 | leaves − 1 in bits 0 and 1, above them the number of the treelet that all its vertices belong to |
+//! | then for each leaf: u8 | triangles − 1 in bits 0 and 1, then two bits for each further triangle: its code |
+//! | u8 … | vertices: 3 of the first triangle, then 1 for each code 0 ..= 2, 3 for each code 3 |
+//!
+//! Code 0, 1, 2: the triangle begins with an edge of the one before, (a, b, c), run backwards: (b, a), (c, b), (a, c);
+//! one more vertex completes it. Code 3: it shares none.
+//!
+//! A triangle's number is its block's offset · 16 + its leaf's place in the block · 4 + its place in the leaf. It rises
+//! along the stream; it is what decides ties, and what a [`super::MeshHit`] names.
+
+use super::grid::{Bounds, Grid};
+use super::mesh::MeshError;
+
+/// Up to 256 vertices near to each other.
+///
+/// | byte | what |
+/// |---|---|
+/// | 0 ..= 5 | base, 3×u16: the lowest coordinate along each axis |
+/// | 6, 7 | bits of a vertex's distance from it along x, y, z: 5 bits each, 0 ..= 16 |
+/// | 8 ..= 10 | where its vertices begin, bytes |
+/// | 11 | vertices − 1 |
+///
+/// A vertex is its three distances, x in the lowest bits; vertices follow each other without a gap.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Treelet {
+    base: [u16; 3],
+    widths: u16,
+    start_low: u16,
+    start_high: u8,
+    last: u8,
+}
+
+const _: () = assert!(size_of::<Treelet>() == 12 && align_of::<Treelet>() == 2);
+
+impl Treelet {
+    /// `widths` at most 16, `start` under 2^24, `vertices` 1 ..= 256: what is above is cut off.
+    pub const fn new(base: [u16; 3], widths: [u32; 3], start: u32, vertices: u32) -> Treelet {
+        let [x, y, z] = widths;
+        Treelet {
+            base,
+            widths: (x & 31 | (y & 31) << 5 | (z & 31) << 10) as u16,
+            start_low: start as u16,
+            start_high: (start >> 16) as u8,
+            last: vertices.wrapping_sub(1) as u8,
+        }
+    }
+
+    /// As it lies in flash: the bytes of the table above.
+    pub fn to_le_bytes(self) -> [u8; 12] {
+        let mut bytes = [0; 12];
+        let [x, y, z] = self.base;
+        for (two, value) in bytes
+            .chunks_exact_mut(2)
+            .zip([x, y, z, self.widths, self.start_low])
+        {
+            two.copy_from_slice(&value.to_le_bytes());
+        }
+        (bytes[10], bytes[11]) = (self.start_high, self.last);
+        bytes
+    }
+
+    /// What [`Treelet::to_le_bytes`] wrote. Whether it makes sense is checked with its scene.
+    pub const fn from_le_bytes(b: [u8; 12]) -> Treelet {
+        Treelet {
+            base: [
+                u16::from_le_bytes([b[0], b[1]]),
+                u16::from_le_bytes([b[2], b[3]]),
+                u16::from_le_bytes([b[4], b[5]]),
+            ],
+            widths: u16::from_le_bytes([b[6], b[7]]),
+            start_low: u16::from_le_bytes([b[8], b[9]]),
+            start_high: b[10],
+            last: b[11],
+        }
+    }
+
+    #[inline(always)]
+    fn widths(&self) -> [u32; 3] {
+        [0, 5, 10].map(|shift| (self.widths >> shift & 31) as u32)
+    }
+
+    #[inline(always)]
+    fn start(&self) -> usize {
+        (self.start_high as usize) << 16 | self.start_low as usize
+    }
+
+    /// Bytes that so many vertices take.
+    pub const fn bytes(widths: [u32; 3], vertices: u32) -> usize {
+        ((widths[0] + widths[1] + widths[2]) * vertices).div_ceil(8) as usize
+    }
+}
+
+/// A mesh as it was packed (on a host), borrowed as it lies in flash.
+///
+/// Nothing here panics for wrong bytes: such a triangle is never hit. [`crate::bvh::check_mesh`] is the border.
+#[derive(Clone, Copy, Debug)]
+pub struct PackedMesh<'a> {
+    pub grid: Grid,
+    /// Around all vertices, grid coordinates.
+    pub bounds: Bounds,
+    pub treelets: &'a [Treelet],
+    /// Vertices of all treelets, then [`PackedMesh::TAIL`] bytes of any value.
+    pub vertices: &'a [u8],
+    /// Blocks, as the head of this file has them; under 2^24 bytes.
+    pub leaves: &'a [u8],
+}
+
+impl<'a> PackedMesh<'a> {
+    /// A distance of 16 bits is read with the three bytes it may lie in.
+    pub const TAIL: usize = 2;
+
+    /// A vertex of a treelet, grid coordinates.
+    #[inline(always)]
+    fn vertex(&self, treelet: &Treelet, index: u8) -> Option<[u16; 3]> {
+        let widths = treelet.widths();
+        let mut bit = index as u32 * (widths[0] + widths[1] + widths[2]);
+        let mut vertex = treelet.base;
+        for (coordinate, width) in vertex.iter_mut().zip(widths) {
+            let at = treelet.start() + (bit >> 3) as usize;
+            let &[a, b, c] = self.vertices.get(at..at + 3)?.first_chunk()?;
+            let far = u32::from_le_bytes([a, b, c, 0]) >> (bit & 7) & ((1 << width) - 1);
+            *coordinate = coordinate.wrapping_add(far as u16);
+            bit += width;
+        }
+        Some(vertex)
+    }
+
+    /// The leaf at a place of a block, before its first triangle.
+    pub(crate) fn leaf(&self, block: u32, place: u32) -> Option<Strip<'a>> {
+        let &[low, high] = self.leaves.get(block as usize..)?.first_chunk()?;
+        let treelet = self
+            .treelets
+            .get((u16::from_le_bytes([low, high]) >> 2) as usize)?;
+        let mut at = block as usize + 2;
+        for _ in 0..place {
+            at += length(*self.leaves.get(at)?);
+        }
+        let head = *self.leaves.get(at)?;
+        Some(Strip {
+            treelet,
+            rest: self.leaves.get(at + 1..)?,
+            codes: u32::from(head | 3),
+            corners: [[0; 3]; 3],
+        })
+    }
+
+    /// The corners of the triangle with a number, grid coordinates.
+    pub(crate) fn corners(&self, triangle: u32) -> Option<[[u16; 3]; 3]> {
+        let mut strip = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
+        for _ in 0..=(triangle & 3) {
+            strip.advance(self)?;
+        }
+        Some(strip.corners)
+    }
+
+    /// Each leaf in the order of the stream: block, place in it, triangles. It ends where the stream does, or makes no
+    /// sense.
+    pub(crate) fn each_leaf(&self) -> Leaves<'a> {
+        Leaves {
+            stream: self.leaves,
+            block: 0,
+            at: 0,
+            place: 0,
+            left: 0,
+        }
+    }
+}
+
+/// Bytes of a leaf that begins with this one.
+#[inline(always)]
+fn length(head: u8) -> usize {
+    let apart = (head & head >> 1) >> 2;
+    let apart = (apart & 1) + (apart >> 2 & 1) + (apart >> 4 & 1);
+    4 + (head & 3) as usize + 2 * apart as usize
+}
+
+/// The triangles of a leaf, one after the other.
+pub(crate) struct Strip<'a> {
+    treelet: &'a Treelet,
+    rest: &'a [u8],
+    /// Those to come, the next in the lowest bits.
+    codes: u32,
+    /// Of the triangle at hand.
+    pub corners: [[u16; 3]; 3],
+}
+
+impl Strip<'_> {
+    /// On to the next triangle.
+    #[inline(never)]
+    pub fn advance(&mut self, mesh: &PackedMesh) -> Option<()> {
+        let [a, b, c] = self.corners;
+        let edge = match self.codes & 3 {
+            0 => [b, a],
+            1 => [c, b],
+            2 => [a, c],
+            _ => [self.next(mesh)?, self.next(mesh)?],
+        };
+        self.codes >>= 2;
+        self.corners = [edge[0], edge[1], self.next(mesh)?];
+        Some(())
+    }
+
+    fn next(&mut self, mesh: &PackedMesh) -> Option<[u16; 3]> {
+        let (&index, rest) = self.rest.split_first()?;
+        self.rest = rest;
+        mesh.vertex(self.treelet, index)
+    }
+}
+
+/// What [`PackedMesh::each_leaf`] walks along.
+pub(crate) struct Leaves<'a> {
+    stream: &'a [u8],
+    block: usize,
+    /// Where the next leaf, or block, begins.
+    pub at: usize,
+    place: u32,
+    /// Leaves of the block that are still to come.
+    left: u32,
+}
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Leaf {
+    pub block: u32,
+    pub place: u32,
+    pub count: u32,
+}
+
+impl Leaf {
+    /// The number of its first triangle.
+    pub fn first(&self) -> u32 {
+        self.block << 4 | self.place << 2
+    }
+}
+
+impl Iterator for Leaves<'_> {
+    type Item = Leaf;
+
+    fn next(&mut self) -> Option<Leaf> {
+        if self.left == 0 {
+            let &[low, _] = self.stream.get(self.at..)?.first_chunk()?;
+            (self.block, self.at) = (self.at, self.at + 2);
+            (self.place, self.left) = (0, u32::from(low & 3) + 1);
+        }
+        let head = *self.stream.get(self.at)?;
+        let leaf = Leaf {
+            block: self.block as u32,
+            place: self.place,
+            count: u32::from(head & 3) + 1,
+        };
+        self.at += length(head);
+        (self.place, self.left) = (self.place + 1, self.left - 1);
+        Some(leaf)
+    }
+}
+
+impl PackedMesh<'_> {
+    /// What of a leaf could not be rendered, if anything.
+    pub(crate) fn check_leaf(&self, leaf: Leaf) -> Result<(), MeshError> {
+        let block = leaf.block as usize;
+        let fault = MeshError::Cut {
+            triangle: leaf.first(),
+        };
+        let head = self
+            .leaves
+            .get(block..)
+            .and_then(|b| b.first_chunk())
+            .ok_or(fault)?;
+        let number = u16::from_le_bytes(*head) >> 2;
+        let treelet = self.treelets.get(number as usize);
+        let treelet = treelet.ok_or(MeshError::Treelet {
+            triangle: leaf.first(),
+        })?;
+        if treelet.widths().iter().any(|&width| width > 16) || treelet.widths >> 15 != 0 {
+            return Err(MeshError::Width { treelet: number });
+        }
+        let mut strip = self.leaf(leaf.block, leaf.place).ok_or(fault)?;
+        let bytes = length((strip.codes & !3) as u8 | (leaf.count - 1) as u8) - 1;
+        let indices = strip.rest.get(..bytes).ok_or(fault)?;
+        if indices.iter().any(|&index| index > treelet.last) {
+            return Err(MeshError::Index {
+                triangle: leaf.first(),
+            });
+        }
+        for triangle in leaf.first()..leaf.first() + leaf.count {
+            strip
+                .advance(self)
+                .ok_or(MeshError::Vertices { treelet: number })?;
+            let keeps = Grid::MARGIN..=u16::MAX - Grid::MARGIN;
+            if !strip.corners.as_flattened().iter().all(|c| keeps.contains(c)) {
+                return Err(MeshError::Corner { triangle });
+            }
+            if !self.bounds.contains(Bounds::of(&strip.corners)) {
+                return Err(MeshError::Bounds { triangle });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geom::Point;
+
+    #[test]
+    fn bytes_of_a_treelet_are_where_the_table_says() {
+        let bytes: [u8; 12] = core::array::from_fn(|at| at as u8);
+        let treelet = Treelet::from_le_bytes(bytes);
+        assert_eq!(
+            (treelet.base[2], treelet.start(), treelet.last),
+            (0x504, 0xa0908, 11)
+        );
+        assert_eq!(treelet.widths(), [0x706 & 31, 0x706 >> 5 & 31, 0x706 >> 10]);
+        assert_eq!(treelet.to_le_bytes(), bytes);
+        assert_eq!(
+            Treelet::new([1, 2, 3], [4, 16, 6], 0x12345, 256).widths(),
+            [4, 16, 6]
+        );
+    }
+
+    /// Two leaves in one block: a strip of three, then two triangles apart.
+    #[test]
+    fn strips_unfold() {
+        let points: [[u16; 3]; 5] = [
+            [100, 200, 300],
+            [107, 200, 300],
+            [100, 203, 309],
+            [107, 203, 300],
+            [100, 201, 315],
+        ];
+        let mut bits = 0u64;
+        for (i, p) in points.iter().enumerate() {
+            let local = (p[0] - 100) as u64 | ((p[1] - 200) as u64) << 3 | ((p[2] - 300) as u64) << 5;
+            bits |= local << (9 * i);
+        }
+        let treelets = [Treelet::new([100, 200, 300], [3, 2, 4], 1, 5)];
+        let mut vertices = [0; 9];
+        vertices[1..].copy_from_slice(&bits.to_le_bytes());
+        let leaves = [
+            1,
+            0,
+            2 | 1 << 2 | 2 << 4,
+            0,
+            1,
+            2,
+            3,
+            4,
+            1 | 3 << 2,
+            4,
+            3,
+            2,
+            0,
+            0,
+            1,
+        ];
+        let mesh = PackedMesh {
+            grid: Grid::new(Point([0; 3]), 0).unwrap(),
+            bounds: Bounds::of(&[[100, 200, 300], [107, 203, 315], [100, 200, 300]]),
+            treelets: &treelets,
+            vertices: &vertices,
+            leaves: &leaves,
+        };
+        let triangle = |t: [usize; 3]| Some(t.map(|i| points[i]));
+        // (0, 1, 2), its edge (1, 2) run backwards, then (3)'s third edge.
+        for (number, t) in [
+            (0, [0, 1, 2]),
+            (1, [2, 1, 3]),
+            (2, [2, 3, 4]),
+            (4, [4, 3, 2]),
+            (5, [0, 0, 1]),
+        ] {
+            assert_eq!(mesh.corners(number), triangle(t), "{number}");
+        }
+        let leaves: std::vec::Vec<Leaf> = mesh.each_leaf().collect();
+        assert_eq!(
+            leaves
+                .iter()
+                .map(|l| (l.first(), l.count))
+                .collect::<std::vec::Vec<_>>(),
+            [(0, 3), (4, 2)]
+        );
+        assert!(leaves.iter().all(|&leaf| mesh.check_leaf(leaf).is_ok()));
+    }
+}
