@@ -62,15 +62,15 @@ fn the_core_agrees_with_the_reference() {
     // Nothing but light tracing sees no mirror or glass, nor all that a sky lights of an endless floor.
     let matt = [&most[..], &[(light, false)]].concat();
     for (name, ways, spp) in [
-        ("cornell", &matt[..], 1024),
+        ("cornell", &matt[..], 512),
         ("spheres", &most, 256),
-        ("seed", &most, 1024),
-        ("torus-knot", &matt, 512),
-        ("implicits", &most, 1024),
+        ("seed", &most, 512),
+        ("torus-knot", &matt, 256),
+        ("implicits", &most, 512),
         ("materials", &most, 256),
         ("sky", &most, 256),
         ("sky, matt", &most, 256),
-        ("map", &most, 512),
+        ("map", &most, 256),
     ] {
         let (scene, is_matt) = name
             .split_once(',')
