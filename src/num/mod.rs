@@ -26,9 +26,8 @@ mod wide;
 pub use bits::{leading_zeros, normalize_shift, round_shift};
 pub use exp::{exp2_neg, neg_log2, pow};
 pub use product::{mul_hi, mul_hi_signed, mul_q16, mul_shift};
-pub(crate) use recip::short_recip;
-pub use recip::{Recip, ratio, recip};
-pub use root::{isqrt, rsqrt};
+pub use recip::{Recip, ratio, recip, short_recip};
+pub use root::{isqrt, rsqrt, short_rsqrt};
 pub use trig::{acos, atan2, sin_cos};
 pub use wide::Wide;
 

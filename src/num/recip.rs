@@ -84,12 +84,14 @@ pub(crate) const fn ratio_q16(a: u32, b: u32) -> u32 {
     };
 }
 
-/// 2^31/b, to 2^-15 of it, for b in 2^15 ..= 2^16 − 1: the table's guess, one Newton step.
+/// 2^31/b, in 2^15 ..= 2^16, for b in 2^15 ..= 2^16 − 1; for others any number.
+///
+/// Relative error: max 3.4e-5, RMS 1.6e-5, mean −1.42e-5 (`tests/num_error`). Table of 128, one Newton step: two products.
 #[inline(always)]
-pub(crate) const fn short_recip(b: u32) -> i32 {
+pub const fn short_recip(b: u32) -> i32 {
     let r = TABLE[((b >> 8) & 127) as usize] as i32;
     let e = (1i32 << 31).wrapping_sub(b.wrapping_mul(r as u32) as i32);
-    r + ((r * (e >> 9)) >> 22)
+    r + (r.wrapping_mul(e >> 9) >> 22)
 }
 
 /// [`ratio_q16`] where dividing takes long: by [`short_recip`], once more by the remainder, one off put right.
