@@ -16,7 +16,7 @@ use crate::{
         Kind::{self, Primary},
         Motif,
     },
-    region,
+    raystones, region,
 };
 
 /// A piece of work with one fingerprint, the same on every target.
@@ -93,8 +93,12 @@ impl Job {
     }
 }
 
-/// Jobs about the arithmetic and the memory of the machine.
-const OWN: [Job; 2] = [Job::machine("edges", edges::run), Job::machine("fill", fill)];
+/// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
+const OWN: [Job; 3] = [
+    Job::machine("edges", edges::run),
+    Job::machine("fill", fill),
+    Job::machine("raystones", raystones::run),
+];
 
 /// Both seeds of each row.
 macro_rules! pictures {

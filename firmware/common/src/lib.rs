@@ -15,6 +15,7 @@ pub mod jobs;
 pub mod mesh;
 mod random;
 pub mod rays;
+pub mod raystones;
 pub mod region;
 pub mod stage;
 pub mod text;
