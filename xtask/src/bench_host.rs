@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::{bench_seed, shell};
+use crate::{bench_seed, raystones, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -31,10 +31,10 @@ pub struct Options {
     json: Option<PathBuf>,
 }
 
-const RECORD: &str = "docs/performance.md";
+pub(crate) const RECORD: &str = "docs/performance.md";
 /// Sections that a run may leave as they are.
 const BESIDE: &str = "## Beside the program of the paper's author";
-const TRIED: &str = "## Tried";
+pub(crate) const TRIED: &str = "## Tried";
 /// The first record, 2026-11-23 at commit 0637617: scene, a primary ray, a path.
 const FIRST: [(&str, u64, u64); 12] = [
     ("cornell", 2143, 15679),
@@ -99,7 +99,8 @@ pub fn run(options: &Options) -> Result<()> {
         None => section(&before, BESIDE).map(str::to_string),
     };
     let mut page = text(&header, &rows);
-    for (title, body) in [(BESIDE, beside.as_deref()), (TRIED, section(&before, TRIED))] {
+    let others = [raystones::TITLE, TRIED].map(|title| (title, section(&before, title)));
+    for (title, body) in [(BESIDE, beside.as_deref())].into_iter().chain(others) {
         if let Some(body) = body {
             page += &format!("\n{title}\n\n{}\n", body.trim());
         }

@@ -3,7 +3,9 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 
-use crate::{accuracy, bench_bdpt, bench_host, ci, device, golden, layers, no_float, sampling, setup, shell};
+use crate::{
+    accuracy, bench_bdpt, bench_host, ci, device, golden, layers, no_float, raystones, sampling, setup, shell,
+};
 
 /// The chores of microlux.
 #[derive(Parser)]
@@ -40,6 +42,10 @@ enum Chore {
     BenchDevice(device::BenchOptions),
     /// Count instructions on this computer and write docs/performance.md
     BenchHost(bench_host::Options),
+    /// Count what the example `raystones` takes on each emulated core, beside the C program in floats
+    ///
+    /// Prints the table and writes it into docs/performance.md.
+    Raystones(raystones::Options),
     /// Measure what bidirectional path tracing is worth and write docs/transport.md
     BenchBdpt(bench_bdpt::Options),
     /// Measure what the samplers are worth and write docs/sampling.md
@@ -67,6 +73,7 @@ impl Xtask {
             Chore::Device(options) => device::run(&options),
             Chore::BenchDevice(options) => device::bench(&options),
             Chore::BenchHost(options) => bench_host::run(&options),
+            Chore::Raystones(options) => raystones::run(&options),
             Chore::BenchBdpt(options) => bench_bdpt::run(&options),
             Chore::Sampling(options) => sampling::run(&options),
             Chore::Golden(options) => golden::run(&options),

@@ -128,7 +128,7 @@ pub fn check() -> Result<String> {
 }
 
 /// Builds the emulator, if need be, and runs it.
-fn emulate(words: &[impl AsRef<std::ffi::OsStr>]) -> Result<()> {
+pub(crate) fn emulate(words: &[impl AsRef<std::ffi::OsStr>]) -> Result<()> {
     let mut cargo = shell::cargo("run");
     cargo.args([
         "--release",
@@ -142,7 +142,7 @@ fn emulate(words: &[impl AsRef<std::ffi::OsStr>]) -> Result<()> {
 }
 
 /// Says what is missing of a part, and how to get it.
-fn require(part: Part) -> Result<()> {
+pub(crate) fn require(part: Part) -> Result<()> {
     let programs: &[&str] = match part {
         Part::Qemu => &["qemu-system-arm", "qemu-system-riscv32"],
         Part::Node => &["node", "npm"],
@@ -163,6 +163,6 @@ fn require(part: Part) -> Result<()> {
 }
 
 /// The file as seen from anywhere.
-fn whole(file: &Path) -> Result<PathBuf> {
+pub(crate) fn whole(file: &Path) -> Result<PathBuf> {
     absolute(file).with_context(|| file.display().to_string())
 }

@@ -15,6 +15,7 @@ pub mod golden;
 pub mod layers;
 pub mod no_float;
 pub mod picture;
+pub mod raystones;
 pub mod sampling;
 pub mod setup;
 pub mod shell;

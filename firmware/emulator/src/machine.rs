@@ -77,7 +77,7 @@ impl Machine {
         Means::of(self.name()).reach(job)
     }
 
-    const fn target(self) -> &'static str {
+    pub const fn target(self) -> &'static str {
         match self {
             Self::Host => "",
             Self::Wasm32 => "wasm32-unknown-unknown",

@@ -1,4 +1,4 @@
-//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator raystones`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -8,7 +8,7 @@ use emulator::{
     bench, count, identity,
     machine::Machine,
     pico::{self, Screen},
-    size,
+    raystones, size,
 };
 use firmware_common::{
     stage::NAMES,
@@ -56,6 +56,12 @@ enum Command {
         /// Number of runs that must agree
         #[arg(long, default_value_t = 2)]
         runs: u32,
+    },
+    /// Counts what the example `raystones` takes on each core; fails unless all draw the same
+    Raystones {
+        /// File for the rows: core, scene, instructions, m0plus_cycles, pixels, crc, helpers
+        #[arg(long)]
+        json: PathBuf,
     },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
@@ -153,6 +159,7 @@ fn execute(command: Command) -> Result<()> {
             json: json.as_deref(),
             record: record.as_deref(),
         }),
+        Command::Raystones { json } => raystones::run(&json),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {
