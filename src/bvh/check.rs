@@ -61,7 +61,7 @@ pub fn check_mesh(mesh: &Triangles, nodes: &[Node]) -> Result<usize, CheckError>
 /// and lies within all boxes above it.
 fn check_packed(mesh: &PackedMesh, nodes: &[Node]) -> Result<usize, CheckError> {
     let mut leaves = mesh.each_leaf();
-    let mut leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
+    let leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
         let found = base << 4 | (meta & 15) as u32;
         let next = leaves.next();
         let expected = next.map_or((mesh.leaves.len() as u32) << 4, |leaf| leaf.first());
@@ -83,7 +83,7 @@ fn check_packed(mesh: &PackedMesh, nodes: &[Node]) -> Result<usize, CheckError> 
         }
         Ok(())
     };
-    let depth = check_nodes(mesh.leaves.is_empty(), nodes, &mut leaf)?;
+    let depth = check_nodes(mesh.leaves.is_empty(), nodes, leaf)?;
     if leaves.at == mesh.leaves.len() && leaves.next().is_none() {
         Ok(depth)
     } else {
@@ -118,7 +118,7 @@ pub(crate) fn check_tree(
     nodes: &[Node],
 ) -> Result<usize, CheckError> {
     let mut next = 0u32;
-    let mut leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
+    let leaf = |node: u32, base: u32, meta: u8, within: Bounds| {
         let (found, count) = (base + (meta & 15) as u32, (meta >> 4) as u32);
         if found != next {
             return Err(CheckError::Order {
@@ -136,7 +136,7 @@ pub(crate) fn check_tree(
         next += count;
         Ok(())
     };
-    let depth = check_nodes(count == 0, nodes, &mut leaf)?;
+    let depth = check_nodes(count == 0, nodes, leaf)?;
     if next as usize == count {
         Ok(depth)
     } else {
@@ -144,11 +144,15 @@ pub(crate) fn check_tree(
     }
 }
 
-/// What looks at a leaf: its node's index and primitive base, its meta, and what all boxes above it have in common.
-type CheckLeaf<'a> = &'a mut dyn FnMut(u32, u32, u8, Bounds) -> Result<(), CheckError>;
-
 /// Nodes alone: indices, depth, slots; leaves are looked at in the order that the builder makes.
-fn check_nodes(is_empty: bool, nodes: &[Node], leaf: CheckLeaf) -> Result<usize, CheckError> {
+///
+/// `leaf` is told its node's index and primitive base, its meta, and what all boxes above it have in common. (Not by a
+/// pointer, whose calls no bound of the stack could follow.)
+fn check_nodes(
+    is_empty: bool,
+    nodes: &[Node],
+    mut leaf: impl FnMut(u32, u32, u8, Bounds) -> Result<(), CheckError>,
+) -> Result<usize, CheckError> {
     let mut depth = 0;
     let whole = Bounds {
         low: [0; 3],
