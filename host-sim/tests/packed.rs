@@ -8,11 +8,11 @@ use host_sim::bake::Packed;
 use meshes::{Model, Random};
 use microlux::bvh::{CheckError, Node, check_mesh, closest, closest_linear, occluded, occluded_linear};
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::Point;
+use microlux::geom::{Dir, Point};
 use microlux::material::Material;
 use microlux::num::{Uniform, Wide};
 use microlux::scene::SceneBuilder;
-use microlux::shape::{Geometry, MeshError, PackedMesh, Slopes, Treelet, TriangleMesh, Triangles};
+use microlux::shape::{Geometry, MeshError, PackedMesh, Slopes, Surface, Treelet, TriangleMesh, Triangles};
 
 fn pack(model: &Model) -> Packed {
     let Triangles::Plain(mesh) = model.mesh() else {
@@ -357,6 +357,11 @@ fn a_scene_sees_it_as_any_mesh() {
     println!("{hits} hits, {bright} on the bright side");
     assert!(bright > 1000 && bright < hits);
     let any = Uniform::from_bits(1 << 31);
-    assert!(scene.sample_light(0, Point([0; 3]), [any; 2]).is_none());
+    let from = Surface {
+        point: Point([0; 3]),
+        normal: Dir::Y,
+        lift: 0,
+    };
+    assert!(scene.sample_light(0, &from, [any; 2]).is_none());
     assert!(scene.emit(0, [any; 2], [any; 2]).is_none());
 }

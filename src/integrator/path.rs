@@ -143,7 +143,7 @@ impl Path {
         place: [Uniform; 2],
         rays: &mut u32,
     ) -> Radiance {
-        let Some(sample) = scene.sample_light(light, vertex.surface.point, place) else {
+        let Some(sample) = scene.sample_light(light, &vertex.surface, place) else {
             return Radiance::BLACK;
         };
         let Some((reflected, bsdf_pdf)) = vertex.material.eval(&vertex.local(), sample.wi) else {

@@ -12,11 +12,11 @@ use crate::shape::{Disk, Geometry, LIFT, Plane, Rectangle, Sphere, Surface};
 pub fn sample_area(
     emitter: Emitter,
     radiance: Radiance,
-    from: Point,
+    from: &Surface,
     u: [Uniform; 2],
 ) -> Option<LightSample> {
     if let Emitter::Shape(Geometry::Sphere(sphere)) = emitter {
-        return sample_sphere(sphere, radiance, from, u);
+        return sample_sphere(sphere, radiance, from.point, u);
     }
     let FlatPlace {
         target,
@@ -24,14 +24,14 @@ pub fn sample_area(
         lift,
         area,
     } = flat_place(emitter, u)?;
-    let (wi, norm) = from.to(target).normalize()?;
+    let (wi, norm) = from.point.to(target).normalize()?;
     let cos = -wi.dot(normal);
     if cos <= 0 {
         return None;
     }
     Some(LightSample {
         wi,
-        distance: short_of(norm.length(), lift, cos),
+        distance: short_of(norm.length(), from.lift + lift, cos),
         radiance,
         pdf: norm.square() / (area * Wide::from_q16(cos)),
         shape: None,
@@ -162,7 +162,10 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
     (d * d) / (area * Wide::from_q16(cos))
 }
 
-/// A shadow ray's length: short of the light by its lift seen at this angle, and by what lengths are uncertain.
+/// A shadow ray's length: short of a surface by a lift, seen at this angle, and by what lengths are uncertain.
+///
+/// The lift is the surface's own and, since the ray begins by its own lift nearer where the two face each other, that of
+/// where it begins, added.
 ///
 /// A length is known to 2^-13: two directions' and one root's 2^-14 at most.
 #[inline]

@@ -224,15 +224,16 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// A direction from a point towards light number `index`; `None` where it can send nothing.
+    /// A direction from a place towards light number `index`; `None` where it can send nothing. The shadow ray begins where
+    /// [`Surface::leave`] says.
     #[inline]
-    pub fn sample_light(&self, index: u32, from: Point, u: [Uniform; 2]) -> Option<LightSample> {
+    pub fn sample_light(&self, index: u32, from: &Surface, u: [Uniform; 2]) -> Option<LightSample> {
         let Some(light) = self.parts.lights.get(index as usize) else {
             return self.sample_background(index, u);
         };
         match *light {
             Light::Point { position, intensity } => {
-                light::sample_point(position, intensity, from, self.parts.unit.fraction_bits())
+                light::sample_point(position, intensity, from.point, self.parts.unit.fraction_bits())
             }
             Light::Directional {
                 direction,

@@ -7,9 +7,18 @@ use microlux::material::Material;
 use microlux::num::{Share, Turn, Wide};
 use microlux::q;
 use microlux::scene::{Mesh, SceneBuilder};
-use microlux::shape::{Disk, Geometry, Grid, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{Disk, Geometry, Grid, Rectangle, Sphere, Surface, TriangleMesh};
 
 const BRIGHT: Radiance = Radiance::new(q!(3), q!(2), q!(1));
+
+/// A point that is on nothing.
+fn seen_from(point: Point) -> Surface {
+    Surface {
+        point,
+        normal: Dir::Y,
+        lift: 0,
+    }
+}
 
 /// Of one emitting shape, seen from `from`.
 fn assert_shape(what: &str, geometry: Geometry, meshes: &[Mesh], from: Point, patch: Patch) {
@@ -25,7 +34,7 @@ fn assert_shape(what: &str, geometry: Geometry, meshes: &[Mesh], from: Point, pa
         0.01,
         |u| {
             scene
-                .sample_light(0, from, u)
+                .sample_light(0, &seen_from(from), u)
                 .map(|sample| (sample.wi, sample.pdf))
         },
         |dir| match scene.closest(&Ray { origin: from, dir }) {

@@ -94,7 +94,7 @@ impl Rays {
 
 /// Whether the light sample could reach the vertex, if nothing stood between.
 fn has_shadow_ray(scene: &Scene, vertex: &Vertex, light: u32, place: [Uniform; 2]) -> bool {
-    let sample = scene.sample_light(light, vertex.surface.point, place);
+    let sample = scene.sample_light(light, &vertex.surface, place);
     vertex.material.is_smooth()
         && sample.is_some_and(|sample| vertex.material.eval(&vertex.local(), sample.wi).is_some())
 }

@@ -176,7 +176,7 @@ impl<const N: usize> Bdpt<N> {
     ) -> Wide {
         let scene = view.scene;
         let surface = &at.vertex.surface;
-        let Some(sample) = scene.sample_light(light, surface.point, place) else {
+        let Some(sample) = scene.sample_light(light, surface, place) else {
             return Wide::ZERO;
         };
         let Some((reflected, pdf)) = at.eval(sample.wi) else {

@@ -52,7 +52,7 @@ pub fn connect(
     };
     let slope = dir.dot(to.normal).abs();
     *rays = rays.wrapping_add(1);
-    if slope == 0 || scene.occluded(&shadow, short_of(norm.length(), to.lift, slope), None) {
+    if slope == 0 || scene.occluded(&shadow, short_of(norm.length(), from.lift + to.lift, slope), None) {
         return None;
     }
     Some((carried, weight))
@@ -153,5 +153,86 @@ fn is_seen(scene: &Scene, vertex: &Vertex, seen: &Projection, hide_emitters: boo
         }
         distance -= hit.t;
         ray.origin = between.surface.leave(ray.dir);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::Node;
+    use crate::color::albedo;
+    use crate::geom::{Dir, Point, point};
+    use crate::integrator::bdpt::weight::Partial;
+    use crate::light::Light;
+    use crate::material::Material;
+    use crate::num::{Share, Uniform};
+    use crate::q;
+    use crate::scene::SceneBuilder;
+    use crate::shape::{Rectangle, Sphere};
+
+    /// A ball above a floor, with nothing between them: from any place on the one, lifted towards the other, a ray reaches
+    /// any place on the other that it can see.
+    #[test]
+    fn what_is_met_does_not_shade_itself() {
+        let mut b = SceneBuilder::<2, 1, 1>::new();
+        let matt = albedo(Share::ONE, Share::ONE, Share::ONE);
+        let matt = b.material(Material::lambert(matt)).unwrap();
+        let side = crate::num::Metres::from_num(3).to_bits();
+        let (x, z) = (Dir([1 << 16, 0, 0]), Dir([0, 0, 1 << 16]));
+        b.shape(
+            Rectangle::new(point(q!(0), q!(0), q!(0)), z, x, [side; 2]).unwrap(),
+            matt,
+        )
+        .unwrap();
+        let center = point(q!(0), q!(1.2), q!(0));
+        b.shape(Sphere::new(center, q!(0.6).to_bits()), matt).unwrap();
+        b.light(Light::Point {
+            position: point(q!(2), q!(2), q!(2)),
+            intensity: Radiance::WHITE,
+        })
+        .unwrap();
+        let mut nodes = [Node::EMPTY; 4];
+        let scene = b.build(&mut nodes).unwrap();
+        let met = |origin: Point, target: Point| {
+            let (dir, _) = origin.to(target).normalize()?;
+            let ray = Ray { origin, dir };
+            let vertex = scene.vertex(&ray, &scene.closest(&ray)?);
+            Some(PathVertex {
+                vertex,
+                throughput: Radiance::WHITE,
+                partial: Partial::default(),
+                depth: 1,
+            })
+        };
+        let below = point(q!(0), q!(0.2), q!(0));
+        let step = 1 << 14;
+        let mut joined = 0;
+        for (i, j) in (-20..20).flat_map(|i| (-20..20).map(move |j| (i, j))) {
+            // The ball's underside, and the floor about it.
+            let mut on_ball = center;
+            on_ball.0[0] += i * step / 20;
+            on_ball.0[2] += j * step / 20;
+            let mut on_floor = point(q!(0), q!(0), q!(0));
+            on_floor.0[0] += (7 * i + 3 * j) % 20 * step / 4;
+            on_floor.0[2] += (3 * i - 7 * j) % 20 * step / 4;
+            let (Some(ball), Some(floor)) = (met(below, on_ball), met(below, on_floor)) else {
+                continue;
+            };
+            let facing = ball
+                .vertex
+                .surface
+                .point
+                .to(floor.vertex.surface.point)
+                .normalize();
+            if facing.is_none_or(|(dir, _)| dir.dot(ball.vertex.surface.normal) <= 0) {
+                continue;
+            }
+            joined += 1;
+            let rest = (Wide::ZERO, Uniform::ZERO);
+            let there = connect(&scene, &ball, &floor, rest, &mut 0).is_some();
+            let back = connect(&scene, &floor, &ball, rest, &mut 0).is_some();
+            assert!(there && back, "{i}, {j}: {there} {back}");
+        }
+        assert!(joined > 1000, "{joined}");
     }
 }
