@@ -1,9 +1,10 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
+use crate::bake;
 use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
 use crate::envmap::{self, BakedMap};
 use fixed::types::I12F20;
-use microlux::bvh::{Node, build_mesh, max_nodes};
+use microlux::bvh::{Node, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
@@ -431,14 +432,12 @@ impl Rounding {
         if triangles.is_empty() {
             return Err(error("has no triangle with an area".into()));
         }
-        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
-        let used = build_mesh(&vertices, &mut triangles, &mut nodes).map_err(|e| {
+        let nodes = bake::build(&vertices, &mut triangles).map_err(|e| {
             error(format!(
                 "needs {} nodes; a mesh can have 65536: split it",
                 e.needed
             ))
         })?;
-        nodes.truncate(used);
         Ok(OwnedMesh {
             grid,
             vertices,

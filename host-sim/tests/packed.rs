@@ -4,7 +4,7 @@
 #[allow(dead_code)]
 mod meshes;
 
-use host_sim::bake::Packed;
+use host_sim::bake::{self, Packed};
 use meshes::{Model, Random};
 use microlux::bvh::{CheckError, Node, check_mesh, closest, closest_linear, occluded, occluded_linear};
 use microlux::color::{Albedo, Radiance};
@@ -147,6 +147,11 @@ fn same_hit_as_the_list() {
     for (i, model) in models.iter().enumerate() {
         let rays = total as f64 / (share * model.triangles.len() as f64);
         compare(model, (rays as u64).max(100), i as u32 + 1);
+    }
+    // The same as the host builds it.
+    for (i, model) in models.iter_mut().enumerate() {
+        model.nodes = bake::build(&model.vertices, &mut model.triangles).unwrap();
+        compare(model, 100, i as u32 + 101);
     }
 }
 

@@ -145,6 +145,8 @@ struct Any<'a> {
 }
 
 impl Visitor for Any<'_> {
+    const ORDERED: bool = false;
+
     #[inline(always)]
     fn limit(&self) -> i32 {
         self.limit

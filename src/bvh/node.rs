@@ -89,7 +89,7 @@ impl Node {
     }
 
     /// Around `bounds`, with the finest exponent that reaches across; leaves count from `primitives` (< 2^24).
-    pub(crate) fn around(bounds: Bounds, nodes: u16, primitives: u32) -> Node {
+    pub fn around(bounds: Bounds, nodes: u16, primitives: u32) -> Node {
         let extent = (0..3)
             .map(|a| bounds.high[a].saturating_sub(bounds.low[a]))
             .max()
@@ -107,7 +107,7 @@ impl Node {
     }
 
     /// Put a child in a slot: planes rounded outwards from a box within the node's.
-    pub(crate) fn set(&mut self, slot: usize, bounds: Bounds, meta: u8) {
+    pub fn set(&mut self, slot: usize, bounds: Bounds, meta: u8) {
         let e = self.exponent;
         for (a, planes) in self.planes.iter_mut().enumerate() {
             let low = bounds.low[a].saturating_sub(self.origin[a]) as u32;

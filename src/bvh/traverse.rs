@@ -19,6 +19,9 @@
 //! is at most one too low, which lets in and never keeps out. The same holds along k: one bound is exact, the other
 //! rounded down where that lets in.
 //!
+//! A child that waits is left out later if the ray enters its box beyond the limit. At the depth of a hit, the line is
+//! less than one step from the triangle's p along each axis across, so within the box: it entered no later.
+//!
 //! # Why nothing wraps
 //!
 //! |F| < 2^31 for any grid point; (q << 13) and S·q are under 2^21.
@@ -34,6 +37,9 @@ const STACK: usize = 3 * MAX_DEPTH + 1;
 
 /// What a traversal does at the leaves.
 pub trait Visitor {
+    /// Whether the nearest child is to come first: not where any answer will do.
+    const ORDERED: bool = true;
+
     /// Depth in whole steps along the dominant axis beyond which nothing is wanted, at most 65535; negative for
     /// nothing at all. Asked again at each node, so it may shrink.
     fn limit(&self) -> i32;
@@ -72,13 +78,20 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
         let mut nearest = NONE;
         if let Some(node) = nodes.get((at & 0xffff) as usize) {
             let origin = from_origin::<K>(node, ray);
-            let mut mask = hit_mask::<K>(node, ray, origin, visitor.limit());
+            let (mut mask, bounds) = hit_mask::<K>(node, ray, origin, visitor.limit());
+            // With nothing to choose from, or to fall behind of, it does not matter where a child begins.
+            let alone = !V::ORDERED || mask & mask.wrapping_sub(1) == 0;
             let mut slot = 0;
             while mask != 0 {
                 if mask & 1 != 0 {
                     let meta = node.meta[slot & 3];
                     if meta & 0x80 != 0 {
-                        let waiting = depth::<K>(node, ray, origin, slot) << 16 | node.node(meta) as u32;
+                        let depth = if alone {
+                            0
+                        } else {
+                            depth::<K>(node, ray, origin, bounds, slot)
+                        };
+                        let waiting = depth << 16 | node.node(meta) as u32;
                         let farther = waiting.max(nearest);
                         nearest = waiting.min(nearest);
                         if farther != NONE {
@@ -107,10 +120,27 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
 /// No node waits: depth and index are the largest of all.
 const NONE: u32 = u32::MAX;
 
-/// Where the child's box begins along the ray, steps: 0 ..= 65535.
-#[inline(always)]
-fn depth<const K: usize>(node: &Node, ray: &GridRay, origin: i32, slot: usize) -> u32 {
-    let plane = node.planes[K][ray.negative as usize][slot & 3] as i32;
+/// Where the ray comes into the child's box, steps along the dominant axis, or a little before: 0 ..= 65535.
+///
+/// Of three planes it passes the last: the box's face along the axis, and those across it, which lie as far along as they
+/// lie aside over the slope. That is cut off to a whole plane's step, and one more is taken off, since a triangle's depth is
+/// rounded, too.
+#[cfg_attr(narrow_mul, inline(never))]
+#[cfg_attr(not(narrow_mul), inline(always))]
+fn depth<const K: usize>(node: &Node, ray: &GridRay, origin: i32, bounds: [i32; 2], slot: usize) -> u32 {
+    let mut plane = node.planes[K][ray.negative as usize][slot & 3] as i32;
+    for (a, bound) in bounds.into_iter().enumerate() {
+        let falls = ray.slopes[a] < 0;
+        let face = node.planes[(K + 1 + a) % 3][(falls != ray.negative) as usize][slot & 3] as i32;
+        let aside = (face << SLOPE_BITS) - bound;
+        if let Some(steps) = ray.rises[a].steps(if falls { -aside } else { aside }) {
+            plane = if ray.negative {
+                plane.min(steps + 2)
+            } else {
+                plane.max(steps - 1)
+            };
+        }
+    }
     let z = origin + (plane << (node.exponent & 15));
     (if ray.negative { -z } else { z }).max(0) as u32
 }
@@ -123,20 +153,25 @@ fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
 
 /// Bit i: the ray may meet child i before the limit. (Slots without a child may be set.)
 #[inline(always)]
-fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32) -> u32 {
+fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32) -> (u32, [i32; 2]) {
     let e = node.exponent & 15;
     let (from, to) = if ray.negative { (-limit, 0) } else { (0, limit) };
     let mask = along::<K>(&node.planes, (from - origin) >> e, (to - origin) >> e);
     if mask == 0 {
-        return 0;
+        return (0, [0; 2]);
     }
-    let bound = -ray.across::<K, 0>(&node.origin) >> e;
-    let mask = across::<K, 1>(&node.planes, bound, ray.slopes[0], mask);
+    let first = -ray.across::<K, 0>(&node.origin) >> e;
+    let mask = across::<K, 1>(&node.planes, first, ray.slopes[0], mask);
     if mask == 0 {
-        return 0;
+        return (0, [0; 2]);
     }
-    let bound = -ray.across::<K, 1>(&node.origin) >> e;
-    across::<K, 2>(&node.planes, bound, ray.slopes[1], mask)
+    let second = -ray.across::<K, 1>(&node.origin) >> e;
+    let mask = across::<K, 2>(&node.planes, second, ray.slopes[1], mask);
+    if mask == 0 {
+        return (0, [0; 2]);
+    }
+    let bounds = [first, second];
+    (mask, bounds)
 }
 
 /// Which children reach into `from` ..= `to` along the dominant axis.

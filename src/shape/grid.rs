@@ -1,5 +1,5 @@
 use crate::geom::{Dir, Point, Ray};
-use crate::num::{mul_q16, mul_shift, recip};
+use crate::num::{leading_zeros, mul_q16, mul_shift, recip, short_recip};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -151,6 +151,7 @@ pub struct Slopes {
     negative: bool,
     /// Q13, rounded to nearest: within ±2^13.
     slopes: [i32; 2],
+    rises: [Rise; 2],
     /// Q30, error 2^-28 at most.
     fine: [i32; 2],
     /// |d_k|, Q16.
@@ -183,10 +184,46 @@ impl Slopes {
             axis,
             negative: dk < 0,
             slopes,
+            rises: slopes.map(Rise::new),
             fine,
             cosine,
             inverse,
         }
+    }
+}
+
+/// How far a ray gets along its dominant axis while it goes one step aside: the reciprocal of a slope.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rise {
+    /// Of the slope in Q13, as 2^31 over its 16 bits.
+    recip: u32,
+    /// By how much a way aside is cut, to be left with 16 bits, and the product.
+    cut: [u8; 2],
+    /// |slope| · 2^8: a way aside as far or farther is none within a node.
+    beyond: u32,
+}
+
+impl Rise {
+    #[inline]
+    fn new(slope: i32) -> Rise {
+        let size = slope.unsigned_abs();
+        let zeros = leading_zeros(size).wrapping_sub(16) & 31;
+        let cut = 8u32.saturating_sub(zeros);
+        Rise {
+            recip: short_recip(size << zeros) as u32,
+            cut: [cut as u8, 31u32.wrapping_sub(zeros + cut) as u8],
+            beyond: size << 8,
+        }
+    }
+
+    /// A way aside, Q13, over the slope, both positive; `None` where it is 256 or more.
+    ///
+    /// What is after the point is cut off, of a number that is right to 0.02.
+    #[inline(always)]
+    pub fn steps(self, aside: i32) -> Option<i32> {
+        let aside = aside as u32;
+        let [before, after] = self.cut;
+        (aside < self.beyond).then(|| (((aside >> (before & 31)) * self.recip) >> (after & 31)) as i32)
     }
 }
 
@@ -199,6 +236,7 @@ pub struct GridRay {
     pub(crate) plane: i32,
     /// Q13, within ±2^13: steps across for a step along the (signed) axis.
     pub(crate) slopes: [i32; 2],
+    pub(crate) rises: [Rise; 2],
     /// What [`GridRay::across`] adds, Q13: slope · plane − where it starts across, + ½.
     offsets: [i32; 2],
     pub(crate) negative: bool,
@@ -260,6 +298,7 @@ impl GridRay {
         Some(GridRay {
             plane,
             slopes: slopes.slopes,
+            rises: slopes.rises,
             offsets: [offset(s0, x), offset(s1, y)],
             negative: slopes.negative,
             axis: slopes.axis,
@@ -323,6 +362,28 @@ mod tests {
     use super::*;
 
     const GRID: Grid = Grid::new(Point([-1000, 0, 500]), 3).unwrap();
+
+    #[test]
+    fn a_rise_is_a_slopes_reciprocal() {
+        for slope in 1..=1 << SLOPE_BITS {
+            for rise in [Rise::new(slope), Rise::new(-slope)] {
+                for aside in (0..64)
+                    .map(|i| (slope << 8) / 64 * i + i % 7)
+                    .chain([(slope << 8) - 1])
+                {
+                    let exact = f64::from(aside) / f64::from(slope);
+                    let steps = rise.steps(aside).filter(|_| exact < 256.0).map(f64::from);
+                    assert!(
+                        steps.is_some_and(|steps| steps > exact - 1.02 && steps < exact + 0.02),
+                        "{aside} over {slope}: {steps:?}"
+                    );
+                }
+                assert_eq!(rise.steps(-1), None);
+                assert_eq!(rise.steps(slope << 8), None);
+            }
+        }
+        assert_eq!(Rise::new(0).steps(0), None);
+    }
 
     #[test]
     fn the_dominant_axis_is_the_first_of_equals() {
