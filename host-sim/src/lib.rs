@@ -1,6 +1,6 @@
 //! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
 
-pub mod bake;
+pub use microlux_bake as bake;
 pub mod builtin;
 pub mod cli;
 pub mod dequantise;

@@ -7,6 +7,7 @@
 //! directional light is irradiance on a plane that faces it.
 
 mod arrange;
+mod baked;
 mod builder;
 pub mod builtin;
 mod check;
@@ -26,6 +27,7 @@ use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, Triangles};
 use distant::Ball;
 
 pub use arrange::{Arrangement, Boxed, arrange};
+pub use baked::{Baked, BakedError, Entry as BakedEntry, Head as BakedHead};
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
 pub use check::SceneError;
 pub use query::Seen;

@@ -17,6 +17,7 @@
 
 use super::grid::{Bounds, Grid};
 use super::mesh::MeshError;
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// Up to 256 vertices near to each other.
 ///
@@ -27,9 +28,9 @@ use super::mesh::MeshError;
 /// | 8 ..= 10 | where its vertices begin, bytes |
 /// | 11 | vertices − 1 |
 ///
-/// A vertex is its three distances, x in the lowest bits; vertices follow each other without a gap.
+/// A vertex is its three distances, x in the lowest bits; vertices follow each other without a gap. Little-endian in flash.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Treelet {
     base: [u16; 3],
     widths: u16,

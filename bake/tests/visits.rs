@@ -10,11 +10,11 @@ mod meshes;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
-use host_sim::bake;
 use meshes::{Model, Random};
 use microlux::bvh::{Visitor, check_mesh, primitives, traverse};
 use microlux::geom::{Point, Ray};
 use microlux::shape::{GridRay, Slopes};
+use microlux_bake as bake;
 
 type Vec3 = [f64; 3];
 

@@ -4,7 +4,6 @@
 #[allow(dead_code)]
 mod meshes;
 
-use host_sim::bake::{self, Packed};
 use meshes::{Model, Random};
 use microlux::bvh::{CheckError, Node, check_mesh, closest, closest_linear, occluded, occluded_linear};
 use microlux::color::{Albedo, Radiance};
@@ -13,6 +12,7 @@ use microlux::material::Material;
 use microlux::num::{Uniform, Wide};
 use microlux::scene::SceneBuilder;
 use microlux::shape::{Geometry, MeshError, PackedMesh, Slopes, Surface, Treelet, TriangleMesh, Triangles};
+use microlux_bake::{self as bake, Packed};
 
 fn pack(model: &Model) -> Packed {
     let Triangles::Plain(mesh) = model.mesh() else {
