@@ -1,7 +1,7 @@
 //! A ray against a mesh: the nearest hit, or any; with a tree, or through the list.
 
 use super::node::Node;
-use super::traverse::{Visitor, traverse};
+use super::traverse::{Order, Visitor, traverse};
 use crate::geom::Ray;
 use crate::shape::triangle::{TriangleHit, intersect};
 use crate::shape::{DEPTH_BITS, GridRay, Leaf, MeshHit, Slopes, Triangles};
@@ -145,7 +145,7 @@ struct Any<'a> {
 }
 
 impl Visitor for Any<'_> {
-    const ORDERED: bool = false;
+    const ORDER: Order = Order::Any;
 
     #[inline(always)]
     fn limit(&self) -> i32 {

@@ -16,7 +16,7 @@ pub(crate) use check::check_tree;
 pub use check::{CheckError, check_items, check_mesh};
 pub use mesh::{closest, closest_linear, occluded, occluded_linear};
 pub use node::Node;
-pub use traverse::{Visitor, primitives, traverse};
+pub use traverse::{Order, Visitor, primitives, traverse};
 
 /// Most levels of nodes a tree may have.
 pub const MAX_DEPTH: usize = 13;

@@ -28,17 +28,28 @@
 
 use super::MAX_DEPTH;
 use super::node::{Node, Planes};
-use crate::shape::{GridRay, SLOPE_BITS};
+use crate::shape::{GridRay, Rise, SLOPE_BITS};
 use core::ops::ControlFlow;
 use heapless::Vec;
 
 /// Three children a level wait while the fourth is looked at.
 const STACK: usize = 3 * MAX_DEPTH + 1;
 
+/// Which of a node's children a ray goes to first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// The one whose box it enters first: for large trees.
+    Entry,
+    /// The one whose box begins first along the dominant axis: of few, or of large things, that is soon told.
+    Face,
+    /// Any: where any hit will do.
+    Any,
+}
+
 /// What a traversal does at the leaves.
 pub trait Visitor {
-    /// Whether the nearest child is to come first: not where any answer will do.
-    const ORDERED: bool = true;
+    /// Which of several children comes first.
+    const ORDER: Order = Order::Entry;
 
     /// Depth in whole steps along the dominant axis beyond which nothing is wanted, at most 65535; negative for
     /// nothing at all. Asked again at each node, so it may shrink.
@@ -73,6 +84,10 @@ pub fn traverse<V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
 fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
     // A waiting node is its nearest depth in the high half, its index in the low one.
     let mut stack: Vec<u32, STACK> = Vec::new();
+    let rises = match V::ORDER {
+        Order::Entry => Some(ray.slopes.map(Rise::new)),
+        Order::Face | Order::Any => None,
+    };
     let mut at = 0u32;
     loop {
         let mut nearest = NONE;
@@ -80,7 +95,7 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
             let origin = from_origin::<K>(node, ray);
             let (mut mask, bounds) = hit_mask::<K>(node, ray, origin, visitor.limit());
             // With nothing to choose from, or to fall behind of, it does not matter where a child begins.
-            let alone = !V::ORDERED || mask & mask.wrapping_sub(1) == 0;
+            let alone = V::ORDER == Order::Any || mask & mask.wrapping_sub(1) == 0;
             let mut slot = 0;
             while mask != 0 {
                 if mask & 1 != 0 {
@@ -89,7 +104,7 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
                         let depth = if alone {
                             0
                         } else {
-                            depth::<K>(node, ray, origin, bounds, slot)
+                            depth::<K>(node, ray, origin, rises.map(|rises| (rises, bounds)), slot)
                         };
                         let waiting = depth << 16 | node.node(meta) as u32;
                         let farther = waiting.max(nearest);
@@ -127,18 +142,26 @@ const NONE: u32 = u32::MAX;
 /// rounded, too.
 #[cfg_attr(narrow_mul, inline(never))]
 #[cfg_attr(not(narrow_mul), inline(always))]
-fn depth<const K: usize>(node: &Node, ray: &GridRay, origin: i32, bounds: [i32; 2], slot: usize) -> u32 {
+fn depth<const K: usize>(
+    node: &Node,
+    ray: &GridRay,
+    origin: i32,
+    across: Option<([Rise; 2], [i32; 2])>,
+    slot: usize,
+) -> u32 {
     let mut plane = node.planes[K][ray.negative as usize][slot & 3] as i32;
-    for (a, bound) in bounds.into_iter().enumerate() {
-        let falls = ray.slopes[a] < 0;
-        let face = node.planes[(K + 1 + a) % 3][(falls != ray.negative) as usize][slot & 3] as i32;
-        let aside = (face << SLOPE_BITS) - bound;
-        if let Some(steps) = ray.rises[a].steps(if falls { -aside } else { aside }) {
-            plane = if ray.negative {
-                plane.min(steps + 2)
-            } else {
-                plane.max(steps - 1)
-            };
+    if let Some((rises, bounds)) = across {
+        for (a, (rise, bound)) in rises.into_iter().zip(bounds).enumerate() {
+            let falls = ray.slopes[a] < 0;
+            let face = node.planes[(K + 1 + a) % 3][(falls != ray.negative) as usize][slot & 3] as i32;
+            let aside = (face << SLOPE_BITS) - bound;
+            if let Some(steps) = rise.steps(if falls { -aside } else { aside }) {
+                plane = if ray.negative {
+                    plane.min(steps + 2)
+                } else {
+                    plane.max(steps - 1)
+                };
+            }
         }
     }
     let z = origin + (plane << (node.exponent & 15));

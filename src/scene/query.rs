@@ -1,7 +1,7 @@
 //! Rays against a scene: the tree over its finite shapes, then its infinite planes.
 
 use super::{Hit, Scene};
-use crate::bvh::{self, Visitor, traverse};
+use crate::bvh::{self, Order, Visitor, traverse};
 use crate::geom::{FAR, Ray};
 use crate::light::{Environment, Light};
 use crate::shape::{Geometry, GridRay, Sight, Slopes};
@@ -319,6 +319,8 @@ impl Nearest<'_> {
 }
 
 impl Visitor for Nearest<'_> {
+    const ORDER: Order = Order::Face;
+
     #[inline(always)]
     fn limit(&self) -> i32 {
         self.limit
@@ -347,7 +349,7 @@ struct Any<'a> {
 }
 
 impl Visitor for Any<'_> {
-    const ORDERED: bool = false;
+    const ORDER: Order = Order::Any;
 
     #[inline(always)]
     fn limit(&self) -> i32 {

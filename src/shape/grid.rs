@@ -151,7 +151,6 @@ pub struct Slopes {
     negative: bool,
     /// Q13, rounded to nearest: within ±2^13.
     slopes: [i32; 2],
-    rises: [Rise; 2],
     /// Q30, error 2^-28 at most.
     fine: [i32; 2],
     /// |d_k|, Q16.
@@ -184,7 +183,6 @@ impl Slopes {
             axis,
             negative: dk < 0,
             slopes,
-            rises: slopes.map(Rise::new),
             fine,
             cosine,
             inverse,
@@ -205,7 +203,7 @@ pub(crate) struct Rise {
 
 impl Rise {
     #[inline]
-    fn new(slope: i32) -> Rise {
+    pub fn new(slope: i32) -> Rise {
         let size = slope.unsigned_abs();
         let zeros = leading_zeros(size).wrapping_sub(16) & 31;
         let cut = 8u32.saturating_sub(zeros);
@@ -236,7 +234,6 @@ pub struct GridRay {
     pub(crate) plane: i32,
     /// Q13, within ±2^13: steps across for a step along the (signed) axis.
     pub(crate) slopes: [i32; 2],
-    pub(crate) rises: [Rise; 2],
     /// What [`GridRay::across`] adds, Q13: slope · plane − where it starts across, + ½.
     offsets: [i32; 2],
     pub(crate) negative: bool,
@@ -298,7 +295,6 @@ impl GridRay {
         Some(GridRay {
             plane,
             slopes: slopes.slopes,
-            rises: slopes.rises,
             offsets: [offset(s0, x), offset(s1, y)],
             negative: slopes.negative,
             axis: slopes.axis,

@@ -18,7 +18,7 @@ mod triangles;
 use crate::geom::{Dir, Point, Ray};
 
 pub use grid::{Bounds, Grid, GridRay, Slopes};
-pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
+pub(crate) use grid::{DEPTH_BITS, Rise, SLOPE_BITS};
 pub use implicit::{
     Blob, Bound, Capsule, FINEST, Gyroid, Implicit, ImplicitError, MAX_BLOBS, Metaballs, RoundedBox,
     SmoothUnion, Torus,

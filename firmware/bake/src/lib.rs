@@ -1,21 +1,23 @@
-//! Turns a mesh into what lies in a chip's flash: vertices in a 16-bit cube, triangles in the tree's order, nodes.
+//! Turns a mesh into what lies in a chip's flash: vertices in a 16-bit cube, the tree, packed.
 //!
 //! The cube stands for 2 m: x and z from -1 m to 1 m, y from 0 to 2 m. A mesh stands on its floor, in the middle.
 
 mod knot;
 mod obj;
 
-use microlux::bvh::{Node, build_mesh, max_nodes};
+use microlux::geom::{Point, Unit};
+use microlux::shape::{Grid, TriangleMesh};
+use microlux_bake::{Packed, blob};
 
 pub use knot::knot;
 pub use obj::obj;
 
-/// A mesh as a scene borrows it.
+/// A mesh in the cube, and as it lies in flash.
 #[derive(Clone, Debug)]
 pub struct Baked {
     pub vertices: Vec<[u16; 3]>,
     pub triangles: Vec<[u16; 3]>,
-    pub nodes: Vec<Node>,
+    pub packed: Packed,
 }
 
 /// Steps of the cube that the mesh's longest side takes: 1.7 m.
@@ -59,20 +61,30 @@ impl Baked {
                 triangles.push(face.map(|corner| corner as u16));
             }
         }
-        let mut nodes = vec![Node::EMPTY; max_nodes(triangles.len())];
-        let used = build_mesh(&vertices, &mut triangles, &mut nodes).map_err(|error| format!("{error:?}"))?;
-        nodes.truncate(used);
+        let nodes = microlux_bake::build(&vertices, &mut triangles).map_err(|error| format!("{error:?}"))?;
+        let mesh = TriangleMesh {
+            grid: grid(),
+            vertices: &vertices,
+            triangles: &triangles,
+        };
+        let packed = Packed::new(&mesh, &nodes).map_err(|error| error.to_string())?;
         Ok(Baked {
             vertices,
             triangles,
-            nodes,
+            packed,
         })
     }
 
-    /// Bytes of flash.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&*self.vertices) + size_of_val(&*self.triangles) + size_of_val(&*self.nodes)
+    /// What lies in flash, for `microlux::scene::Baked` to open.
+    pub fn blob(&self) -> Result<Vec<u8>, String> {
+        blob(std::slice::from_ref(&self.packed), Unit::DEFAULT).map_err(|error| error.to_string())
     }
+}
+
+/// 2 m: 65,536 steps of two units, from (-1, 0, -1) m.
+fn grid() -> Grid {
+    let metre = 1 << Unit::DEFAULT.fraction_bits();
+    Grid::new(Point([-metre, 0, -metre]), 1).unwrap_or(Grid::UNIT)
 }
 
 /// Whether the corners lie in a line.

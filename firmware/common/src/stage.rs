@@ -54,7 +54,7 @@ pub struct Pedestal<'m> {
 }
 
 impl<'m> Pedestal<'m> {
-    /// Puts up a mesh in the cube of [`crate::mesh::grid`].
+    /// Puts up a mesh in the cube of [`crate::mesh::mesh`].
     pub fn new(mesh: Mesh<'m>) -> Result<Pedestal<'m>, SceneError> {
         let mut b = SceneBuilder::new();
         let unit = b.unit();

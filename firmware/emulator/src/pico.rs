@@ -15,7 +15,6 @@ use firmware_common::{
     stage::{Cornell, NAMES, Pedestal, Stage},
     tile::{self, Frame, Painter, Pass},
 };
-use microlux::{scene::Mesh, shape::TriangleMesh};
 use serde_json::Value;
 
 use crate::{
@@ -182,12 +181,8 @@ fn bake(file: &Path) -> Result<Baked> {
     let baked = firmware_bake::obj(&text)
         .map_err(anyhow::Error::msg)
         .with_context(name)?;
-    println!(
-        "{}: {} triangles, {} bytes",
-        name(),
-        baked.triangles.len(),
-        baked.bytes()
-    );
+    let bytes = baked.blob().map_err(anyhow::Error::msg)?.len();
+    println!("{}: {} triangles, {bytes} bytes", name(), baked.triangles.len());
     Ok(baked)
 }
 
@@ -312,16 +307,8 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, 
         ));
     }
     let mesh = match baked {
-        Some(baked) => Mesh {
-            triangles: TriangleMesh {
-                grid: mesh::grid(),
-                vertices: &baked.vertices,
-                triangles: &baked.triangles,
-            }
-            .into(),
-            nodes: &baked.nodes,
-        },
-        None => mesh::mesh(),
+        Some(baked) => baked.packed.mesh(),
+        None => mesh::mesh()?,
     };
     let mut pedestal = Pedestal::new(mesh).map_err(refused)?;
     let (scene, camera) = pedestal.scene().map_err(refused)?;
