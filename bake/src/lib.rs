@@ -1,5 +1,5 @@
 //! Meshes for flash, made on a computer: the tree ([`build`]), few bytes a triangle ([`Packed`]), and what
-//! [`microlux::scene::Blob`] opens ([`blob`]).
+//! [`microlux::scene::Baked`] opens ([`blob`]).
 
 mod blob;
 mod pack;
