@@ -64,3 +64,25 @@ pub fn rust(bytes: &[u8], name: &str) -> String {
     }
     text + "]);\n"
 }
+
+/// Bytes that lie at a multiple of 4, as [`microlux::scene::Baked::open`] wants them.
+#[derive(Clone, Debug)]
+pub struct Aligned {
+    words: Vec<u32>,
+    length: usize,
+}
+
+impl Aligned {
+    pub fn new(bytes: &[u8]) -> Aligned {
+        let mut words = vec![0; bytes.len().div_ceil(4)];
+        words.as_mut_bytes()[..bytes.len()].copy_from_slice(bytes);
+        Aligned {
+            words,
+            length: bytes.len(),
+        }
+    }
+
+    pub fn bytes(&self) -> &[u8] {
+        &self.words.as_bytes()[..self.length]
+    }
+}

@@ -5,6 +5,6 @@ mod blob;
 mod pack;
 mod tree;
 
-pub use blob::{BlobTooLarge, blob, rust};
+pub use blob::{Aligned, BlobTooLarge, blob, rust};
 pub use pack::{PackError, Packed};
 pub use tree::build;

@@ -9,31 +9,7 @@ use microlux::bvh::{check_mesh, closest, closest_linear};
 use microlux::geom::Unit;
 use microlux::scene::{Baked, BakedError};
 use microlux::shape::{Slopes, Triangles};
-use microlux_bake::{Packed, blob, rust};
-
-/// Bytes at a multiple of 4.
-struct Aligned {
-    words: Vec<u32>,
-    length: usize,
-}
-
-impl Aligned {
-    fn new(bytes: &[u8]) -> Aligned {
-        let words = bytes.chunks(4).map(|four| {
-            let mut word = [0; 4];
-            word[..four.len()].copy_from_slice(four);
-            u32::from_ne_bytes(word)
-        });
-        Aligned {
-            words: words.collect(),
-            length: bytes.len(),
-        }
-    }
-
-    fn bytes(&self) -> &[u8] {
-        &zerocopy::IntoBytes::as_bytes(&self.words[..])[..self.length]
-    }
-}
+use microlux_bake::{Aligned, Packed, blob, rust};
 
 fn pack(model: &Model) -> Packed {
     let Triangles::Plain(mesh) = model.mesh() else {

@@ -7,6 +7,7 @@ pub mod dequantise;
 pub mod desc;
 pub mod envmap;
 pub mod expose;
+pub mod flash;
 pub mod import;
 pub mod metrics;
 pub mod picture;

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
+use crate::bake::Aligned;
 use crate::dequantise::{self, Frame};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
 use crate::expose::SharedExposure;
@@ -17,7 +18,7 @@ use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::Scene;
+use microlux::scene::{Baked, BakedError, Mesh, Scene};
 use rayon::prelude::*;
 
 pub use crate::picture::{Aov, Picture};
@@ -175,10 +176,36 @@ pub fn render_fixed(
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
     let core = CoreScene::new(desc)?;
-    let meshes = core.meshes();
-    let scene = core.scene(&meshes)?;
+    render_core(desc, &core, &core.meshes(), options, progress, cancel)
+}
+
+/// The same with the scene's meshes as they were baked.
+pub fn render_baked(
+    desc: &SceneDesc,
+    blob: &[u8],
+    options: &Options,
+    progress: &dyn Progress,
+    cancel: &AtomicBool,
+) -> Result<(Picture, Stats), Error> {
+    let wrong = |error: BakedError| Error::Scene(error.to_string());
+    let bytes = Aligned::new(blob);
+    let baked = Baked::open(bytes.bytes()).map_err(wrong)?;
+    let meshes: Result<Vec<_>, _> = (0..baked.count()).map(|index| baked.mesh(index)).collect();
+    let core = CoreScene::new(desc)?;
+    render_core(desc, &core, &meshes.map_err(wrong)?, options, progress, cancel)
+}
+
+fn render_core(
+    desc: &SceneDesc,
+    core: &CoreScene,
+    meshes: &[Mesh],
+    options: &Options,
+    progress: &dyn Progress,
+    cancel: &AtomicBool,
+) -> Result<(Picture, Stats), Error> {
+    let scene = core.scene(meshes)?;
     let job = Job {
-        core: &core,
+        core,
         scene: &scene,
         sampler: sampler(options),
         options,
@@ -192,7 +219,7 @@ pub fn render_fixed(
     let pixels = match options.integrator {
         IntegratorKind::Direct | IntegratorKind::Path => job.in_tiles(path),
         IntegratorKind::Ao => job.in_tiles(AmbientOcclusion {
-            radius: ao_radius(desc, &core),
+            radius: ao_radius(desc, core),
         }),
         IntegratorKind::Bdpt if options.tiles => job.in_tiles(Bdpt::<BOARD_VERTICES> {
             max_depth: path.max_depth,
@@ -229,7 +256,7 @@ pub fn render_fixed(
             Independent::<PcgRxsMXs32>::new(0),
             settings(options),
         );
-        Some(layers(&core, &renderer, options))
+        Some(layers(core, &renderer, options))
     } else {
         None
     };

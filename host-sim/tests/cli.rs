@@ -140,3 +140,71 @@ fn a_missing_file_is_told_by_its_name() {
     assert!(told(&["render", "missing.xml"]).starts_with("error: missing.xml: "));
     assert!(told(&["info", "folder/missing.obj"]).starts_with("error: folder/missing.obj: "));
 }
+
+/// What is baked can be looked at, has the size that was told, and is refused when a byte is lost.
+#[test]
+fn meshes_are_baked_and_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let bake = "bake torus-knot -o knot.mlx --rust knot.rs --json bake.json --preview knot.png";
+    host_sim(&folder).args(bake.split(' ')).assert().success().stdout(
+        contains("each of 15,360 triangles")
+            .and(contains("moved by"))
+            .and(contains("heuristic")),
+    );
+    let blob = std::fs::read(folder.path().join("knot.mlx")).unwrap();
+    let json = |name: &str| -> serde_json::Value {
+        serde_json::from_slice(&std::fs::read(folder.path().join(name)).unwrap()).unwrap()
+    };
+    let baked = json("bake.json");
+    assert_eq!(baked["bytes_total"], blob.len());
+    let each = baked["meshes"][0]["bytes_a_triangle"].as_f64().unwrap();
+    assert!(each > 8.0 && each < 11.0, "{each}");
+    let [rounded, exact] =
+        ["sah_cost", "sah_cost_exact"].map(|key| baked["meshes"][0][key].as_f64().unwrap());
+    assert!(
+        exact > 1.0 && rounded > exact && rounded < 1.1 * exact,
+        "{rounded} {exact}"
+    );
+    // Steps of 2^-15 m: rounding moves a vertex by half a step an axis at most, and some by nearly that.
+    let step = 2f64.powi(-15);
+    let moved = |key: &str| baked["meshes"][0][key].as_f64().unwrap() / step;
+    assert!(moved("displacement_worst") > 0.7 && moved("displacement_worst") <= 0.867);
+    assert!((moved("displacement_rms") - 0.5).abs() < 0.01);
+    assert!(std::fs::metadata(folder.path().join("knot.png")).unwrap().len() > 10_000);
+    let source = std::fs::read_to_string(folder.path().join("knot.rs")).unwrap();
+    assert!(source.contains("pub static MESHES: &[u8]"));
+
+    host_sim(&folder)
+        .args("info knot.mlx --json info.json".split(' '))
+        .assert()
+        .success();
+    let info = json("info.json");
+    for key in ["bytes_bvh", "triangles"] {
+        assert_eq!(info[key], baked[key], "{key}");
+    }
+    let geometry = info["bytes_geometry"].as_u64().unwrap() + info["bytes_bvh"].as_u64().unwrap();
+    assert!(
+        blob.len() as u64 - geometry < 100,
+        "head, table and filling: {geometry}"
+    );
+
+    std::fs::write(folder.path().join("short.mlx"), &blob[..3000]).unwrap();
+    let expected = format!(
+        "error: short.mlx: 3000 bytes instead of {}; bake it again\n",
+        blob.len()
+    );
+    host_sim(&folder)
+        .args(["render", "short.mlx"])
+        .assert()
+        .code(1)
+        .stderr(expected);
+}
+
+#[test]
+fn what_cannot_be_baked_is_told() {
+    let line = told(&["bake", "spheres", "-o", "a.mlx"]);
+    assert!(line.contains("spheres: it has no mesh to bake"), "{line}");
+    let line = told(&["bake", "torus-knot", "-o", "a.mlx", "--preview", "a.exr"]);
+    assert!(line.contains("a preview is a .png"), "{line}");
+    usage(&["bake", "torus-knot"], "--output <BLOB>");
+}

@@ -18,6 +18,7 @@ Examples:
                                                what a 16-bit display would show
   host-sim compare cornell --diff diff.png     fixed point against f64, in numbers and as a picture
   host-sim info bunny.obj                      how much flash and RAM a board needs for it
+  host-sim bake bunny.obj -o bunny.mlx         its bytes for the board
   host-sim report -o report                    everything at once, on a page: report/report.html
 
 Each command has its own help, with more examples: host-sim render --help";
@@ -36,6 +37,7 @@ pub enum Command {
     Render(RenderArgs),
     Compare(CompareArgs),
     Info(InfoArgs),
+    Bake(BakeArgs),
     Report(ReportArgs),
     /// List the built-in scenes, one line each
     Scenes,
@@ -161,6 +163,42 @@ pub struct InfoArgs {
     pub settings: Settings,
 }
 
+const BAKE_EXAMPLES: &str = "\
+All meshes of SCENE are packed, with their trees, into one file; materials, lights, camera and other shapes are a few lines \
+of Rust in your program. There:
+
+  static MESHES: &[u8] = microlux::include_baked!(\"bunny.mlx\");
+  let bunny = Baked::open(MESHES)?.mesh(0)?;
+
+The preview is rendered from the baked bytes, in SCENE's light. Baked files are scenes, too: host-sim render bunny.mlx.
+
+Examples:
+  host-sim bake bunny.obj -o bunny.mlx
+  host-sim bake room.xml -o room.mlx --rust room.rs --preview room.png";
+
+/// Write a scene's meshes as they lie in a board's flash.
+#[derive(Debug, Args)]
+#[command(after_help = BAKE_EXAMPLES, after_long_help = BAKE_EXAMPLES)]
+pub struct BakeArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Write the baked meshes.
+    #[arg(short, long, value_name = "BLOB")]
+    pub output: PathBuf,
+    /// Write them as Rust source, too.
+    #[arg(long, value_name = "FILE")]
+    pub rust: Option<PathBuf>,
+    /// Write the numbers as JSON.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+    /// Write a picture of the baked meshes, .png.
+    #[arg(long, value_name = "FILE")]
+    pub preview: Option<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 const REPORT_EXAMPLES: &str = "\
 DIR/report.html shows everything, with its pictures inside, and needs nothing else; DIR/report.json has all of the \
 numbers. DIR is made if it is not there; both files appear when everything is done, and Ctrl-C leaves none.
@@ -225,7 +263,7 @@ pub struct ReportArgs {
 /// Which scene, and how to read it.
 #[derive(Debug, Args)]
 pub struct SceneArgs {
-    /// A built-in scene, or a file: .xml (Mitsuba 3), .gltf, .glb, .obj, .ply.
+    /// A built-in scene, or a file: .xml (Mitsuba 3), .gltf, .glb, .obj, .ply, .mlx (baked).
     #[arg(value_name = "SCENE")]
     pub scene: String,
     /// Warn about what a scene file has that is not supported, and go on without it.

@@ -1,12 +1,14 @@
 //! `host-sim info`.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use serde_json::{Map, Value};
 
 use super::args::InfoArgs;
 use super::table::{Table, grouped};
 use super::{Failure, source};
+use crate::flash;
 use crate::picture::Target;
 use crate::run::{self, Info, Options};
 
@@ -14,7 +16,16 @@ pub fn info(args: &InfoArgs) -> Result<(), Failure> {
     let desc = source::load(&args.scene, false)?;
     let options = args.settings.options(&desc);
     let json = args.json.as_deref().map(Target::check).transpose()?;
-    let info = run::describe(&desc, &options).map_err(|error| Failure::of_run(&args.scene.scene, error))?;
+    let of_run = |error| Failure::of_run(&args.scene.scene, error);
+    let mut info = run::describe(&desc, &options).map_err(of_run)?;
+    let path = Path::new(&args.scene.scene);
+    if path
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mlx"))
+    {
+        // As they are baked, not as they were taken apart to be shown.
+        [info.bytes_geometry, info.bytes_bvh] = flash::bytes(path).map_err(of_run)?;
+    }
     if let Some(target) = &json {
         let text = format!("{:#}\n", Value::Object(as_json(&desc.name, &info)));
         target.write(text.as_bytes())?;

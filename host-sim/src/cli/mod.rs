@@ -1,6 +1,7 @@
 //! The program `host-sim`: arguments in, files and a few lines out, one line where something is wrong.
 
 mod args;
+mod bake;
 mod compare;
 mod info;
 mod progress;
@@ -30,6 +31,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::render(&args),
         Command::Compare(args) => compare::compare(&args),
         Command::Info(args) => info::info(&args),
+        Command::Bake(args) => bake::bake(&args),
         Command::Report(args) => report::report(&args),
         Command::Scenes => scenes(),
     };

@@ -12,7 +12,7 @@ use crate::quantise;
 use crate::run::MAX_SIDE;
 
 /// Endings of the files that are scenes.
-const ENDINGS: [&str; 5] = ["xml", "gltf", "glb", "obj", "ply"];
+const ENDINGS: [&str; 6] = ["xml", "gltf", "glb", "obj", "ply", "mlx"];
 
 /// Loads the scene; what is to be said about it goes to the standard error, a line each: what is lost always, what was
 /// made of it unless `quiet`.

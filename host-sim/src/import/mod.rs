@@ -3,6 +3,7 @@
 //! Reading is strict: what is not understood is an error that says where it stands and what to write instead, for a
 //! scene that is silently not the one in the file is worse than none.
 
+mod baked;
 mod error;
 mod gltf;
 pub(crate) mod math;
@@ -44,7 +45,7 @@ pub struct Loaded {
     pub warnings: Vec<String>,
 }
 
-/// Reads a scene by its file name's ending: `.xml` (Mitsuba 3), `.gltf` and `.glb`, or `.obj` and `.ply`; what these lack
+/// Reads a scene by its file name's ending: `.xml` (Mitsuba 3), `.gltf` and `.glb`, or `.obj`, `.ply` and `.mlx` (baked meshes); what these lack
 /// of camera and light is added.
 pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
     let extension = path
@@ -54,7 +55,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
         .to_ascii_lowercase();
     match extension.as_str() {
         "xml" => mitsuba::load(path, options),
-        "gltf" | "glb" | "obj" | "ply" => {
+        "gltf" | "glb" | "obj" | "ply" | "mlx" => {
             if let Some(name) = options.parameters.keys().next() {
                 let message = format!(
                     "a .{extension} file has no parameter \"{name}\"; only .xml scenes take parameters"
@@ -64,6 +65,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
             match extension.as_str() {
                 "gltf" | "glb" => gltf::load(path),
                 "obj" => showcase::load_obj(path),
+                "mlx" => baked::load(path),
                 _ => showcase::load_ply(path),
             }
         }
@@ -74,7 +76,7 @@ pub fn load(path: &Path, options: &Options) -> Result<Loaded, ImportError> {
             };
             Err(ImportError::new(
                 path,
-                format!("{what}; use .xml (Mitsuba 3), .gltf, .glb, .obj or .ply"),
+                format!("{what}; use .xml (Mitsuba 3), .gltf, .glb, .obj, .ply or .mlx (baked)"),
             ))
         }
     }

@@ -1,0 +1,117 @@
+//! `host-sim bake`.
+
+use std::io::{self, Write};
+
+use serde_json::json;
+
+use super::args::BakeArgs;
+use super::progress::Meter;
+use super::render::Output;
+use super::table::{Table, grouped};
+use super::{Failure, source, stop, terminal};
+use crate::bake;
+use crate::flash::{self, Flash, Part};
+use crate::picture::{Format, Style, Target, display_pixels};
+use crate::run::{self, Options};
+
+/// Pixels across and samples of the preview.
+const PREVIEW: (u32, u32) = (240, 16);
+
+pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
+    let of_run = |error| Failure::of_run(&args.scene.scene, error);
+    let desc = source::load(&args.scene, args.quiet)?;
+    let blob = Target::check(&args.output)?;
+    let rust = args.rust.as_deref().map(Target::check).transpose()?;
+    let json = args.json.as_deref().map(Target::check).transpose()?;
+    let preview = args.preview.as_deref().map(Output::check).transpose()?;
+    if let Some(wrong) = preview.as_ref().filter(|output| output.format() != Format::Png) {
+        let path = wrong.target.path().display();
+        return Err(Failure::Wrong(format!("{path}: a preview is a .png; name it so")));
+    }
+    let stop = stop::on_ctrl_c()?;
+    let flash = flash::bake(&desc).map_err(of_run)?;
+    let (width, spp) = PREVIEW;
+    let options = Options {
+        width,
+        height: (width * desc.height / desc.width.max(1)).clamp(1, run::MAX_SIDE),
+        spp,
+        ..Options::for_scene(&desc)
+    };
+    let meter = Meter::new("preview", args.quiet);
+    let seen = run::render_baked(&desc, &flash.bytes, &options, &meter, &stop);
+    meter.finish();
+    let (picture, _) = seen.map_err(of_run)?;
+
+    blob.write(&flash.bytes)?;
+    if let Some(target) = &rust {
+        target.write(bake::rust(&flash.bytes, "MESHES").as_bytes())?;
+    }
+    if let Some(target) = &json {
+        target.write(format!("{:#}\n", as_json(&desc.name, &flash)).as_bytes())?;
+    }
+    if let Some(output) = &preview {
+        output.write(&picture, &Style::default())?;
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    terminal::show(picture.width, picture.height, &display_pixels(&picture, 0.0));
+    let written = args.output.display();
+    writeln!(io::stdout(), "{}written to {written}", as_text(&flash))?;
+    Ok(())
+}
+
+fn as_json(scene: &str, flash: &Flash) -> serde_json::Value {
+    let sum = |of: fn(&Part) -> usize| flash.meshes.iter().map(of).sum::<usize>();
+    json!({
+        "scene": scene,
+        "triangles": sum(|part| part.triangles),
+        "bytes_total": flash.bytes.len(),
+        "bytes_bvh": sum(|part| part.nodes),
+        "bytes_geometry": sum(|part| part.treelets + part.vertices + part.leaves),
+        "meshes": flash.meshes.iter().map(|part| json!({
+            "name": part.name,
+            "triangles": part.triangles,
+            "bytes_nodes": part.nodes,
+            "bytes_treelets": part.treelets,
+            "bytes_vertices": part.vertices,
+            "bytes_leaves": part.leaves,
+            "bytes_a_triangle": part.bytes() as f64 / part.triangles as f64,
+            "displacement_worst": part.displacement[0],
+            "displacement_rms": part.displacement[1],
+            "extent": part.extent,
+            "sah_cost": part.sah[0],
+            "sah_cost_exact": part.sah[1],
+        })).collect::<Vec<_>>(),
+    })
+}
+
+fn as_text(flash: &Flash) -> String {
+    let mut text = String::new();
+    for part in &flash.meshes {
+        let each = |bytes: usize| format!("{:.2}", bytes as f64 / part.triangles as f64);
+        let row = |name: &str, bytes: usize| [name.to_string(), grouped(bytes as u64), each(bytes)];
+        let mut table = Table::default();
+        table
+            .row([
+                part.name.clone(),
+                "bytes".into(),
+                format!("each of {} triangles", grouped(part.triangles as u64)),
+            ])
+            .row(row("nodes", part.nodes))
+            .row(row("treelets", part.treelets))
+            .row(row("vertices", part.vertices))
+            .row(row("leaves", part.leaves))
+            .row(row("in all", part.bytes()));
+        let [worst, rms] = part.displacement;
+        let share = 100.0 / part.extent;
+        let [rounded, exact] = part.sah;
+        text += &table.text();
+        text += &format!(
+            "vertices moved by {worst:.2e} m at most ({:.4} % of the extent), {rms:.2e} m RMS\n\
+             tree: {rounded:.2} nodes and triangles a ray by the surface area heuristic, {exact:.2} with exact boxes\n\n",
+            worst * share
+        );
+    }
+    text + &format!("{} bytes in all, ", grouped(flash.bytes.len() as u64))
+}

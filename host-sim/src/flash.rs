@@ -1,0 +1,180 @@
+//! A scene's meshes as they lie in flash, and what that costs them.
+
+use std::path::Path;
+
+use microlux::bvh::{Node, check_mesh, primitives};
+use microlux::scene::{Baked, Mesh};
+use microlux::shape::{Bounds, TriangleMesh, Triangles};
+
+use crate::bake::{self, Aligned, Packed};
+use crate::desc::{GeometryDesc, SceneDesc, Vec3};
+use crate::quantise::CoreScene;
+use crate::run::Error;
+
+/// Baked meshes.
+#[derive(Clone, Debug)]
+pub struct Flash {
+    /// For [`Baked::open`].
+    pub bytes: Vec<u8>,
+    pub meshes: Vec<Part>,
+}
+
+/// One of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    pub name: String,
+    pub triangles: usize,
+    pub nodes: usize,
+    pub treelets: usize,
+    pub vertices: usize,
+    pub leaves: usize,
+    /// By how far rounding moved a vertex, metres: at most, and as root of the mean square.
+    pub displacement: [f64; 2],
+    /// Longest side of the mesh, metres.
+    pub extent: f64,
+    /// What the surface area heuristic expects of a ray that meets the mesh, in nodes and triangles: with the nodes' rounded
+    /// boxes, and with exact ones.
+    pub sah: [f64; 2],
+}
+
+impl Part {
+    /// Without head and table of the whole.
+    pub fn bytes(&self) -> usize {
+        self.nodes + self.treelets + self.vertices + self.leaves
+    }
+}
+
+/// Bakes all meshes of a scene, in the order in which it names them.
+pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
+    let core = CoreScene::new(desc)?;
+    let named = desc.shapes.iter().filter_map(|shape| match &shape.geometry {
+        GeometryDesc::Mesh(mesh) => Some((&shape.name, &mesh.vertices)),
+        _ => None,
+    });
+    let (mut packed, mut parts) = (Vec::new(), Vec::new());
+    let scale = f64::from(-core.unit.fraction_bits()).exp2();
+    for (mesh, (name, before)) in core.meshes().iter().zip(named) {
+        let Some(plain) = mesh.triangles.plain() else {
+            continue;
+        };
+        let made =
+            Packed::new(plain, mesh.nodes).map_err(|error| Error::Scene(format!("{name}: {error}")))?;
+        let after = plain.vertices.iter().map(|&vertex| {
+            let point = plain.grid.to_scene(vertex).0;
+            [0, 1, 2].map(|i| core.origin[i] + f64::from(point[i]) * scale)
+        });
+        let (displacement, extent) = moved(before, after);
+        parts.push(Part {
+            name: name.clone(),
+            triangles: plain.triangles.len(),
+            nodes: size_of_val(&*made.nodes),
+            treelets: size_of_val(&*made.treelets),
+            vertices: made.vertices.len(),
+            leaves: made.leaves.len(),
+            displacement,
+            extent,
+            sah: sah(plain, mesh.nodes),
+        });
+        packed.push(made);
+    }
+    if packed.is_empty() {
+        let none = "it has no mesh to bake; its shapes are a few lines of Rust";
+        return Err(Error::Scene(none.to_string()));
+    }
+    let bytes = bake::blob(&packed, core.unit).map_err(|error| Error::Scene(error.to_string()))?;
+    Ok(Flash { bytes, meshes: parts })
+}
+
+/// Largest and root mean square distance between two lists of points, and the longest side of the first.
+fn moved(before: &[Vec3], after: impl Iterator<Item = Vec3>) -> ([f64; 2], f64) {
+    let (mut worst, mut sum) = (0f64, 0.0);
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (a, b) in before.iter().zip(after) {
+        let square: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
+        (worst, sum) = (worst.max(square), sum + square);
+        low = [0, 1, 2].map(|i| low[i].min(a[i]));
+        high = [0, 1, 2].map(|i| high[i].max(a[i]));
+    }
+    let extent = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+    let mean = sum / before.len().max(1) as f64;
+    ([worst.sqrt(), mean.sqrt()], extent)
+}
+
+/// MacDonald and Booth 1990, with the costs of [`bake::build`]'s nodes and of triangles taken as equal.
+fn sah(mesh: &TriangleMesh, nodes: &[Node]) -> [f64; 2] {
+    let area = |[low, high]: [[f64; 3]; 2]| {
+        let [x, y, z] = [0, 1, 2].map(|i| high[i] - low[i]);
+        x * y + y * z + z * x
+    };
+    let exact_area = |b: Bounds| area([b.low.map(f64::from), b.high.map(f64::from)]);
+    let mut exact = vec![Bounds::EMPTY; nodes.len()];
+    let mut sums = [0.0; 2];
+    // Children stand after their node.
+    for (index, node) in nodes.iter().enumerate().rev() {
+        let bytes = node.to_le_bytes();
+        let two = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
+        let base = u32::from(two(38)) | u32::from(bytes[35]) << 16;
+        let step = f64::from(1u32 << bytes[34]);
+        let plane = |axis: usize, end: usize, slot: usize| {
+            f64::from(two(28 + 2 * axis)) + step * f64::from(bytes[8 * axis + 4 * end + slot])
+        };
+        for slot in 0..4 {
+            let meta = bytes[24 + slot];
+            let (bounds, cost) = match meta {
+                0 => continue,
+                0x80.. => {
+                    let child = usize::from(two(36)) + usize::from(meta & 3);
+                    (exact.get(child).copied().unwrap_or(Bounds::EMPTY), 1.0)
+                }
+                _ => {
+                    let leaf = primitives(base, meta.into()).filter_map(|triangle| mesh.corners(triangle));
+                    let bounds = leaf.fold(Bounds::EMPTY, |b, corners| b.union(Bounds::of(&corners)));
+                    (bounds, f64::from(meta >> 4))
+                }
+            };
+            let rounded = [0, 1].map(|end| [0, 1, 2].map(|axis| plane(axis, end, slot)));
+            sums[0] += cost * area(rounded);
+            sums[1] += cost * exact_area(bounds);
+            exact[index] = exact[index].union(bounds);
+        }
+    }
+    let whole = exact.first().map_or(1.0, |&root| exact_area(root));
+    sums.map(|sum| 1.0 + sum / whole)
+}
+
+/// The meshes of a baked file, all of them checked, each with the metres that a unit of its scene is; what is wrong in a
+/// line.
+pub fn meshes(bytes: &[u8]) -> Result<Vec<(Mesh<'_>, f64)>, String> {
+    let wrong = |error: &dyn std::fmt::Display| format!("{error}; bake it again");
+    let baked = Baked::open(bytes).map_err(|error| wrong(&error))?;
+    let mesh = |index| {
+        let (mesh, unit) = baked
+            .mesh(index)
+            .and_then(|mesh| Ok((mesh, baked.unit(index)?)))
+            .map_err(|error| wrong(&error))?;
+        check_mesh(&mesh.triangles, mesh.nodes)
+            .map_err(|error| wrong(&format_args!("mesh {index}: {error}")))?;
+        Ok((mesh, f64::from(-unit.fraction_bits()).exp2()))
+    };
+    (0..baked.count()).map(mesh).collect()
+}
+
+/// Bytes of a baked file's triangles and of their trees.
+pub fn bytes(path: &Path) -> Result<[usize; 2], Error> {
+    let told = |error: String| Error::Scene(error);
+    let bytes = std::fs::read(path).map_err(|error| told(error.to_string()))?;
+    let bytes = Aligned::new(&bytes);
+    let meshes = meshes(bytes.bytes()).map_err(told)?;
+    let sum = |of: fn(&Mesh) -> usize| meshes.iter().map(|(mesh, _)| of(mesh)).sum();
+    Ok([
+        sum(|mesh| mesh.triangles.bytes()),
+        sum(|mesh| size_of_val(mesh.nodes)),
+    ])
+}
+
+/// Corners of all triangles of a mesh, metres, if a unit is `scale` of them.
+pub fn corners(mesh: &Triangles, scale: f64) -> Vec<[Vec3; 3]> {
+    let place = |corner| mesh.grid().to_scene(corner).0.map(|c| f64::from(c) * scale);
+    let triangles = mesh.numbers().filter_map(|number| mesh.corners(number));
+    triangles.map(|triangle| triangle.map(place)).collect()
+}
