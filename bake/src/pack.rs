@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt;
 
-use microlux::bvh::Node;
+use microlux::bvh::{Child, Node, primitives};
 use microlux::scene::Mesh;
 use microlux::shape::{Bounds, Grid, PackedMesh, Treelet, TriangleMesh, Triangles};
 
@@ -159,24 +159,22 @@ fn blocks(mesh: &TriangleMesh, nodes: &[Node]) -> Result<Vec<Block>, PackError> 
     while let Some(node) = waiting.pop() {
         visits += 1;
         let wrong = PackError::Tree { node };
-        let bytes = nodes
-            .get(node)
-            .filter(|_| visits <= nodes.len())
-            .ok_or(wrong)?
-            .to_le_bytes();
-        let first_node = u16::from_le_bytes([bytes[36], bytes[37]]);
-        let base = u32::from_le_bytes([bytes[38], bytes[39], bytes[35], 0]);
+        let found = nodes.get(node).filter(|_| visits <= nodes.len());
+        let children = found.ok_or(wrong)?.children().map(|(_, child)| child);
         let mut leaves = Vec::new();
-        for meta in bytes[24..28].iter().filter(|meta| (0x10..0x80).contains(*meta)) {
-            let first = base + u32::from(meta & 15);
-            let leaf = (first..first + u32::from(meta >> 4)).map(|triangle| mesh.corners(triangle));
-            leaves.push(leaf.collect::<Option<Vec<_>>>().ok_or(wrong)?);
+        for child in children {
+            if let Child::Leaf(base, leaf) = child {
+                let leaf = primitives(base, leaf).map(|triangle| mesh.corners(triangle));
+                leaves.push(leaf.collect::<Option<Vec<_>>>().ok_or(wrong)?);
+            }
         }
         if !leaves.is_empty() {
             blocks.push(Block { node, leaves });
         }
-        let inner = bytes[24..28].iter().rev().filter(|meta| **meta >= 0x80);
-        waiting.extend(inner.map(|meta| usize::from(first_node) + usize::from(meta & 3)));
+        waiting.extend(children.iter().rev().filter_map(|child| match child {
+            Child::Node(node) => Some(usize::from(*node)),
+            Child::Leaf(..) | Child::None => None,
+        }));
     }
     Ok(blocks)
 }

@@ -12,10 +12,7 @@ use microlux::shape::{Slopes, Triangles};
 use microlux_bake::{Aligned, Packed, blob, rust};
 
 fn pack(model: &Model) -> Packed {
-    let Triangles::Plain(mesh) = model.mesh() else {
-        unreachable!()
-    };
-    Packed::new(&mesh, &model.nodes).unwrap()
+    Packed::new(&model.plain(), &model.nodes).unwrap()
 }
 
 const UNIT: Unit = Unit::new(18);

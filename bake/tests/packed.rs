@@ -15,10 +15,7 @@ use microlux::shape::{Geometry, MeshError, PackedMesh, Slopes, Surface, Treelet,
 use microlux_bake::{self as bake, Packed};
 
 fn pack(model: &Model) -> Packed {
-    let Triangles::Plain(mesh) = model.mesh() else {
-        unreachable!()
-    };
-    Packed::new(&mesh, &model.nodes).unwrap()
+    Packed::new(&model.plain(), &model.nodes).unwrap()
 }
 
 fn made() -> Vec<Model> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use microlux::bvh::{Node, check_mesh, primitives};
+use microlux::bvh::{Child, Node, check_mesh, primitives};
 use microlux::scene::{Baked, Mesh};
 use microlux::shape::{Bounds, TriangleMesh, Triangles};
 
@@ -102,43 +102,33 @@ fn moved(before: &[Vec3], after: impl Iterator<Item = Vec3>) -> ([f64; 2], f64) 
 
 /// MacDonald and Booth 1990, with the costs of [`bake::build`]'s nodes and of triangles taken as equal.
 fn sah(mesh: &TriangleMesh, nodes: &[Node]) -> [f64; 2] {
-    let area = |[low, high]: [[f64; 3]; 2]| {
-        let [x, y, z] = [0, 1, 2].map(|i| high[i] - low[i]);
+    let area = |b: Bounds| {
+        let [x, y, z] = [0, 1, 2].map(|i| f64::from(b.high[i]) - f64::from(b.low[i]));
         x * y + y * z + z * x
     };
-    let exact_area = |b: Bounds| area([b.low.map(f64::from), b.high.map(f64::from)]);
     let mut exact = vec![Bounds::EMPTY; nodes.len()];
     let mut sums = [0.0; 2];
     // Children stand after their node.
     for (index, node) in nodes.iter().enumerate().rev() {
-        let bytes = node.to_le_bytes();
-        let two = |at: usize| u16::from_le_bytes([bytes[at], bytes[at + 1]]);
-        let base = u32::from(two(38)) | u32::from(bytes[35]) << 16;
-        let step = f64::from(1u32 << bytes[34]);
-        let plane = |axis: usize, end: usize, slot: usize| {
-            f64::from(two(28 + 2 * axis)) + step * f64::from(bytes[8 * axis + 4 * end + slot])
-        };
-        for slot in 0..4 {
-            let meta = bytes[24 + slot];
-            let (bounds, cost) = match meta {
-                0 => continue,
-                0x80.. => {
-                    let child = usize::from(two(36)) + usize::from(meta & 3);
-                    (exact.get(child).copied().unwrap_or(Bounds::EMPTY), 1.0)
-                }
-                _ => {
-                    let leaf = primitives(base, meta.into()).filter_map(|triangle| mesh.corners(triangle));
-                    let bounds = leaf.fold(Bounds::EMPTY, |b, corners| b.union(Bounds::of(&corners)));
-                    (bounds, f64::from(meta >> 4))
+        for (rounded, child) in node.children() {
+            let (bounds, cost) = match child {
+                Child::None => continue,
+                Child::Node(child) => (exact.get(usize::from(child)).copied(), 1.0),
+                Child::Leaf(base, leaf) => {
+                    let leaf = primitives(base, leaf);
+                    let cost = leaf.len() as f64;
+                    let corners = leaf.filter_map(|triangle| mesh.corners(triangle));
+                    let around = |b: Bounds, corners: [_; 3]| b.union(Bounds::of(&corners));
+                    (Some(corners.fold(Bounds::EMPTY, around)), cost)
                 }
             };
-            let rounded = [0, 1].map(|end| [0, 1, 2].map(|axis| plane(axis, end, slot)));
+            let bounds = bounds.unwrap_or(Bounds::EMPTY);
             sums[0] += cost * area(rounded);
-            sums[1] += cost * exact_area(bounds);
+            sums[1] += cost * area(bounds);
             exact[index] = exact[index].union(bounds);
         }
     }
-    let whole = exact.first().map_or(1.0, |&root| exact_area(root));
+    let whole = exact.first().map_or(1.0, |&root| area(root));
     sums.map(|sum| 1.0 + sum / whole)
 }
 

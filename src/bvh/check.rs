@@ -185,7 +185,7 @@ fn check_nodes(
                 Child::Node(_) if meta & 0x7c != 0 => {
                     return Err(CheckError::Malformed { node: index });
                 }
-                Child::Leaf => leaf(index, node.primitives(), meta, within)?,
+                Child::Leaf(..) => leaf(index, node.primitives(), meta, within)?,
                 _ => {}
             }
         }

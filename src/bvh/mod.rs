@@ -15,7 +15,7 @@ pub use build::{BuildError, Item, build_items, build_mesh, max_nodes};
 pub(crate) use check::check_tree;
 pub use check::{CheckError, check_items, check_mesh};
 pub use mesh::{closest, closest_linear, occluded, occluded_linear};
-pub use node::Node;
+pub use node::{Child, Node};
 pub use traverse::{Order, Visitor, primitives, traverse};
 
 /// Most levels of nodes a tree may have.

@@ -36,10 +36,11 @@ const _: () = assert!(core::mem::offset_of!(Node, nodes) == 36);
 
 /// What a slot of a node holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Child {
+pub enum Child {
     None,
     Node(u16),
-    Leaf,
+    /// Base and leaf, as [`super::primitives`] takes them.
+    Leaf(u32, u32),
 }
 
 impl Node {
@@ -131,11 +132,16 @@ impl Node {
         self.nodes.wrapping_add((meta & 3) as u16)
     }
 
+    /// The four slots: boxes, as the planes give them, and what is in them.
+    pub fn children(&self) -> [(Bounds, Child); 4] {
+        [0, 1, 2, 3].map(|slot| (self.bounds(slot), self.child(self.meta[slot])))
+    }
+
     pub(crate) const fn child(&self, meta: u8) -> Child {
         if meta & 0x80 != 0 {
             Child::Node(self.node(meta))
         } else if meta >= 0x10 {
-            Child::Leaf
+            Child::Leaf(self.primitives(), meta as u32)
         } else {
             Child::None
         }
@@ -190,7 +196,7 @@ mod tests {
                 high: [1009, 300, 1300]
             }
         );
-        assert_eq!(node.child(node.meta[1]), Child::Leaf);
+        assert_eq!(node.child(node.meta[1]), Child::Leaf(70_000, 0x23));
         assert_eq!(node.child(0x82), Child::Node(7));
         assert_eq!(node.child(node.meta[0]), Child::None);
     }

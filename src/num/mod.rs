@@ -15,6 +15,7 @@
 //! target lacks a 32×32→64 multiplier, the same result is made of 32-bit products (`narrow_mul`, set by `build.rs`).
 
 mod bits;
+mod crc;
 mod exp;
 mod lit;
 mod product;
@@ -24,6 +25,7 @@ mod trig;
 mod wide;
 
 pub use bits::{leading_zeros, normalize_shift, round_shift};
+pub use crc::Crc;
 pub use exp::{exp2_neg, neg_log2, pow};
 pub use product::{mul_hi, mul_hi_signed, mul_q16, mul_shift};
 pub use recip::{Recip, ratio, recip, short_recip};

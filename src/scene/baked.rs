@@ -24,6 +24,7 @@
 use super::Mesh;
 use crate::bvh::Node;
 use crate::geom::{Point, Unit};
+use crate::num::Crc;
 use crate::shape::{Bounds, Grid, PackedMesh, Treelet, Triangles};
 use zerocopy::byteorder::little_endian::{I32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
@@ -151,7 +152,6 @@ pub struct Baked<'a> {
 impl<'a> Baked<'a> {
     /// Reads head and table, and sums all bytes. The meshes themselves are checked with their scene.
     pub fn open(bytes: &'a [u8]) -> Result<Baked<'a>, BakedError> {
-        // Of any slice that is not empty; of an empty one, the length is wrong.
         if bytes.as_ptr().addr() & 3 != 0 {
             return Err(BakedError::Unaligned);
         }
@@ -262,32 +262,10 @@ fn padded(bytes: u32) -> Option<usize> {
     bytes.checked_next_multiple_of(4).map(|bytes| bytes as usize)
 }
 
-/// CRC-32 of IEEE 802.3, four bits at a time.
 fn crc32(bytes: &[u8]) -> u32 {
-    const fn table() -> [u32; 16] {
-        let mut table = [0; 16];
-        let mut i = 0;
-        while i < 16 {
-            let mut crc = i as u32;
-            let mut bit = 0;
-            while bit < 4 {
-                crc = if crc & 1 != 0 {
-                    crc >> 1 ^ 0xedb8_8320
-                } else {
-                    crc >> 1
-                };
-                bit += 1;
-            }
-            table[i] = crc;
-            i += 1;
-        }
-        table
-    }
-    const TABLE: [u32; 16] = table();
-    let step = |crc: u32| crc >> 4 ^ TABLE[(crc & 15) as usize];
-    !bytes
-        .iter()
-        .fold(!0, |crc, byte| step(step(crc ^ u32::from(*byte))))
+    let mut crc = Crc::new();
+    crc.bytes(bytes);
+    crc.value()
 }
 
 /// The bytes of a file that `host-sim bake` wrote, as [`Baked::open`] wants them: at a multiple of 4.

@@ -59,12 +59,16 @@ impl Model {
         Model::new(name, grid, vertices, triangles)
     }
 
-    pub fn mesh(&self) -> Triangles<'_> {
-        Triangles::Plain(TriangleMesh {
+    pub fn plain(&self) -> TriangleMesh<'_> {
+        TriangleMesh {
             grid: self.grid,
             vertices: &self.vertices,
             triangles: &self.triangles,
-        })
+        }
+    }
+
+    pub fn mesh(&self) -> Triangles<'_> {
+        self.plain().into()
     }
 }
 

@@ -2,7 +2,8 @@
 
 use core::hint::black_box;
 
-use crate::{crc::Crc, random::Xorshift};
+use crate::random::Xorshift;
+use microlux::num::Crc;
 
 const CORNERS: [i64; 14] = [
     0,

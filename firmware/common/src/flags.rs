@@ -4,7 +4,8 @@
 //! A6.7), and both must give the same CRC. It has caught an emulator whose every *result* was right and whose carry
 //! and overflow were not.
 
-use crate::{crc::Crc, jobs::Job, random::Xorshift};
+use crate::{jobs::Job, random::Xorshift};
+use microlux::num::Crc;
 
 /// N, Z, C, V in bits 3 to 0.
 type Flags = u32;

@@ -18,7 +18,7 @@ use microlux::{
     integrator::{AmbientOcclusion, Bdpt, LightTracer},
 };
 
-use crate::crc::Crc;
+use microlux::num::Crc;
 
 /// Size and effort of every picture in the record.
 pub const SETTINGS: Settings = Settings {

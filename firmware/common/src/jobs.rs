@@ -1,9 +1,9 @@
 //! The list that every target runs and prints, one line each: `name crc32=89abcdef`.
 
+use microlux::num::Crc;
 use microlux::scene::builtin::Builtin::{Cornell, Implicits, Map, Materials, Sky, Spheres, Torus};
 
 use crate::{
-    crc::Crc,
     edges, flags,
     golden::{
         Case,

@@ -5,7 +5,6 @@
 
 #![no_std]
 
-pub mod crc;
 mod edges;
 mod flags;
 pub mod golden;

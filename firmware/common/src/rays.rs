@@ -9,12 +9,12 @@ use microlux::{
     camera::Camera,
     color::Radiance,
     integrator::Path,
-    num::Uniform,
+    num::{Crc, Uniform},
     sampler::{Independent, Sampler},
     scene::{Scene, builtin::Builtin},
 };
 
-use crate::{crc::Crc, golden::SETTINGS, mesh, region, stage::Pedestal};
+use crate::{golden::SETTINGS, mesh, region, stage::Pedestal};
 
 /// Longest path, in segments.
 pub const MAX_DEPTH: u16 = 8;

@@ -5,7 +5,7 @@ mod trace;
 
 use trace::scene::{HEIGHT, WIDTH};
 
-use crate::crc::Crc;
+use microlux::num::Crc;
 
 pub const PIXELS: u32 = (WIDTH * HEIGHT) as u32;
 

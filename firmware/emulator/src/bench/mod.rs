@@ -12,10 +12,10 @@ use std::{
 
 use anyhow::{Context, Result, ensure};
 use firmware_common::{
-    crc::Crc,
     stage::NAMES,
     tile::{self, PASSES},
 };
+use microlux::num::Crc;
 use serde_json::Value;
 use xtask::{shell, toolchain::Embedded};
 

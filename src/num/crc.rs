@@ -1,4 +1,4 @@
-//! CRC-32 (IEEE 802.3, reflected), the fingerprint of every result.
+//! CRC-32 (IEEE 802.3, reflected): the checksum of what is baked, and the fingerprint of a result.
 
 /// `TABLE[n]`: the remainder that the four bits `n` leave.
 const TABLE: [u32; 16] = {
