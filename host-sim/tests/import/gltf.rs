@@ -238,6 +238,14 @@ fn broken_files_name_their_part() {
             &strips.replace("\"mesh\": 0", "\"mesh\": 7"),
             "s.gltf: nodes[1].mesh: names what does not exist",
         ),
+        (
+            &empty.replace("}}", "},\"images\":[{}]}"),
+            "s.gltf: images[0] lacks what it must have",
+        ),
+        (
+            "glTF\x02\0\0\0\x07\0\0\0",
+            "s.gltf: is a broken GLB file: shorter than its own head",
+        ),
     ] {
         let error = Folder::with(&[("s.gltf", content)]).error("s.gltf");
         assert!(

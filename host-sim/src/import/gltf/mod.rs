@@ -36,11 +36,28 @@ const READ: [&str; 8] = [
     "KHR_xmp_json_ld",
 ];
 
+/// Bytes that every GLB file begins with.
+const GLB_HEADER: usize = 12;
+
 /// Reads the default scene, or the first.
 pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
     let bytes = std::fs::read(path).map_err(|error| ImportError::io(path, &error))?;
+    if let Some(says) = bytes.strip_prefix(b"glTF").and_then(|rest| rest.get(4..8))
+        && says
+            .iter()
+            .rev()
+            .fold(0, |value, &byte| value << 8 | usize::from(byte))
+            < GLB_HEADER
+    {
+        let message = "is a broken GLB file: shorter than its own head; export the model again";
+        return Err(ImportError::new(path, message));
+    }
     let file = Gltf::from_slice(&bytes).map_err(|error| malformed(path, &bytes, &error))?;
     let Gltf { document, blob } = file;
+    if let Some((what, index)) = hollow(&document) {
+        let message = format!("{what}[{index}] lacks what it must have; export the model again");
+        return Err(ImportError::new(path, message));
+    }
     let buffers = Buffers::read(path, &document, blob)?;
     let mut reader = Reader {
         path,
@@ -63,6 +80,19 @@ pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
         waiting.extend(children.into_iter().map(|child| (child, to_world)).rev());
     }
     reader.finish().show(path)
+}
+
+/// The list and place of something without a part that the `gltf` crate takes for granted.
+fn hollow(document: &Document) -> Option<(&'static str, usize)> {
+    let json = document.as_json();
+    let image = |image: &gltf::json::Image| match image.buffer_view {
+        Some(_) => image.mime_type.is_some(),
+        None => image.uri.is_some(),
+    };
+    let texture = |texture: &gltf::json::Texture| texture.source.value() < json.images.len();
+    let place = |what, found: Option<usize>| found.map(|index| (what, index));
+    place("images", json.images.iter().position(|i| !image(i)))
+        .or_else(|| place("textures", json.textures.iter().position(|t| !texture(t))))
 }
 
 /// Nodes that are nobody's child.
