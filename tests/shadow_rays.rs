@@ -8,7 +8,7 @@ use microlux::material::Material;
 use microlux::num::{Share, Uniform};
 use microlux::q;
 use microlux::scene::{Mesh, SceneBuilder};
-use microlux::shape::{Disk, Geometry, Grid, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{Attributes, Disk, Geometry, Grid, Rectangle, Sphere, TriangleMesh};
 
 const BRIGHT: Radiance = Radiance::new(q!(3), q!(2), q!(1));
 const METRE: i32 = 1 << 16;
@@ -85,6 +85,7 @@ fn a_mesh() {
             grid,
             vertices: &corners,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         }
         .into(),
         nodes: &nodes[..used],

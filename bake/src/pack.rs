@@ -4,10 +4,18 @@ use std::collections::{HashMap, HashSet};
 use std::fmt;
 
 use microlux::bvh::{Child, Node, primitives};
+use microlux::geom::Octahedral;
 use microlux::scene::Mesh;
-use microlux::shape::{Bounds, Grid, PackedMesh, Treelet, TriangleMesh, Triangles};
+use microlux::shape::{Bounds, Grid, Layers, PackedMesh, Treelet, TriangleMesh, Triangles};
+use zerocopy::IntoBytes;
 
-type Vertex = [u16; 3];
+/// Where a vertex is, and what else it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Vertex {
+    place: [u16; 3],
+    normal: Octahedral,
+}
+
 type Corners = [Vertex; 3];
 
 /// A packed mesh by value.
@@ -15,6 +23,7 @@ type Corners = [Vertex; 3];
 pub struct Packed {
     pub grid: Grid,
     pub bounds: Bounds,
+    pub layers: Layers,
     pub treelets: Vec<Treelet>,
     pub vertices: Vec<u8>,
     pub leaves: Vec<u8>,
@@ -55,12 +64,13 @@ impl Packed {
         let mut packed = Packed {
             grid: mesh.grid,
             bounds: mesh.bounds(),
+            layers: layers(mesh),
             treelets: Vec::new(),
             vertices: Vec::new(),
             leaves: Vec::new(),
             nodes: nodes.to_vec(),
         };
-        for group in groups(&blocks) {
+        for group in groups(&blocks, packed.layers) {
             packed.treelet(&blocks[group]);
         }
         packed.vertices.extend([0; PackedMesh::TAIL]);
@@ -79,6 +89,7 @@ impl Packed {
             triangles: Triangles::Packed(PackedMesh {
                 grid: self.grid,
                 bounds: self.bounds,
+                layers: self.layers,
                 treelets: &self.treelets,
                 vertices: &self.vertices,
                 leaves: &self.leaves,
@@ -97,19 +108,24 @@ impl Packed {
                 places.insert(vertex, order.len() as u8);
                 order.push(vertex);
             }
-            group.bounds = group.bounds.union(Bounds::of(&[vertex; 3]));
+            group.bounds = group.bounds.union(Bounds::of(&[vertex.place]));
         }
         let (number, base, widths) = (self.treelets.len(), group.bounds.low, group.widths());
         let start = self.vertices.len() as u32;
         self.treelets
             .push(Treelet::new(base, widths, start, order.len() as u32));
         let mut bits = BitWriter::default();
-        for vertex in order {
+        for vertex in &order {
             for axis in 0..3 {
-                bits.push(u32::from(vertex[axis] - base[axis]), widths[axis]);
+                bits.push(u32::from(vertex.place[axis] - base[axis]), widths[axis]);
             }
         }
         self.vertices.extend(bits.bytes);
+        for vertex in &order {
+            if self.layers.has(Layers::NORMALS) {
+                self.vertices.extend(vertex.normal.as_bytes());
+            }
+        }
         for block in blocks {
             let offset = self.leaves.len() as u32;
             let head = (number << 2 | (block.leaves.len() - 1)) as u16;
@@ -139,6 +155,29 @@ fn place(node: &Node, offset: u32) -> Node {
     Node::from_le_bytes(bytes)
 }
 
+fn layers(mesh: &TriangleMesh) -> Layers {
+    match mesh.attributes.normals {
+        [] => Layers::default(),
+        _ => Layers::NORMALS,
+    }
+}
+
+fn corners(mesh: &TriangleMesh, triangle: u32) -> Option<Corners> {
+    let vertex = |index: u16| {
+        Some(Vertex {
+            place: *mesh.vertices.get(usize::from(index))?,
+            normal: mesh
+                .attributes
+                .normals
+                .get(usize::from(index))
+                .copied()
+                .unwrap_or_default(),
+        })
+    };
+    let [a, b, c] = *mesh.triangles.get(triangle as usize)?;
+    Some([vertex(a)?, vertex(b)?, vertex(c)?])
+}
+
 /// The leaves of one node.
 struct Block {
     node: usize,
@@ -164,7 +203,7 @@ fn blocks(mesh: &TriangleMesh, nodes: &[Node]) -> Result<Vec<Block>, PackError> 
         let mut leaves = Vec::new();
         for child in children {
             if let Child::Leaf(base, leaf) = child {
-                let leaf = primitives(base, leaf).map(|triangle| mesh.corners(triangle));
+                let leaf = primitives(base, leaf).map(|triangle| corners(mesh, triangle));
                 leaves.push(leaf.collect::<Option<Vec<_>>>().ok_or(wrong)?);
             }
         }
@@ -202,13 +241,14 @@ impl Group {
         })
     }
 
-    fn bytes(&self) -> usize {
-        size_of::<Treelet>() + Treelet::bytes(self.widths(), self.vertices.len() as u32)
+    fn bytes(&self, layers: Layers) -> usize {
+        let places = Treelet::bytes(self.widths(), self.vertices.len() as u32);
+        size_of::<Treelet>() + places + self.vertices.len() * layers.stride()
     }
 }
 
 /// The cut of the row of blocks into treelets that takes the fewest bytes.
-fn groups(blocks: &[Block]) -> Vec<std::ops::Range<usize>> {
+fn groups(blocks: &[Block], layers: Layers) -> Vec<std::ops::Range<usize>> {
     // For each end the fewest bytes up to there, and where the last treelet begins.
     let mut best = vec![(0, 0)];
     for end in 1..=blocks.len() {
@@ -217,12 +257,12 @@ fn groups(blocks: &[Block]) -> Vec<std::ops::Range<usize>> {
         for begin in (0..end).rev() {
             for vertex in blocks[begin].vertices() {
                 group.vertices.insert(vertex);
-                group.bounds = group.bounds.union(Bounds::of(&[vertex; 3]));
+                group.bounds = group.bounds.union(Bounds::of(&[vertex.place]));
             }
             if group.vertices.len() > VERTICES {
                 break;
             }
-            choice = choice.min((best[begin].0 + group.bytes(), begin));
+            choice = choice.min((best[begin].0 + group.bytes(layers), begin));
         }
         best.push(choice);
     }
@@ -323,9 +363,16 @@ impl BitWriter {
 mod tests {
     use super::*;
 
+    fn at(place: [u16; 3]) -> Vertex {
+        Vertex {
+            place,
+            normal: Octahedral::default(),
+        }
+    }
+
     #[test]
     fn four_around_a_corner_are_one_strip() {
-        let p = |x: u16, y: u16| [100 + x, 200 + y, 300];
+        let p = |x: u16, y: u16| at([100 + x, 200 + y, 300]);
         let middle = p(0, 0);
         let ring = [p(1, 0), p(0, 1), p(9, 1), p(0, 9), p(5, 5)];
         // In an order that shares nothing, turned in all ways.
@@ -346,7 +393,7 @@ mod tests {
 
     #[test]
     fn a_triangle_that_runs_an_edge_the_same_way_begins_anew() {
-        let [a, b, c, d] = [[1; 3], [2; 3], [3; 3], [4; 3]];
+        let [a, b, c, d] = [1, 2, 3, 4].map(|c| at([c; 3]));
         assert_eq!(shared([a, b, c], [a, b, d]), None);
         assert_eq!(shared([a, b, c], [d, b, a]), Some((0, [b, a, d])));
         assert_eq!(shared([a, b, c], [a, c, d]), Some((2, [a, c, d])));

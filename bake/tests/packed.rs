@@ -7,11 +7,13 @@ mod meshes;
 use meshes::{Model, Random};
 use microlux::bvh::{CheckError, Node, check_mesh, closest, closest_linear, occluded, occluded_linear};
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point};
+use microlux::geom::{Dir, Octahedral, Point};
 use microlux::material::Material;
 use microlux::num::{Uniform, Wide};
 use microlux::scene::SceneBuilder;
-use microlux::shape::{Geometry, MeshError, PackedMesh, Slopes, Surface, Treelet, TriangleMesh, Triangles};
+use microlux::shape::{
+    Attributes, Geometry, MeshError, MeshHit, PackedMesh, Slopes, Surface, Treelet, TriangleMesh, Triangles,
+};
 use microlux_bake::{self as bake, Packed};
 
 fn pack(model: &Model) -> Packed {
@@ -68,6 +70,7 @@ fn compare(model: &Model, rays: u64, seed: u32) {
         grid: model.grid,
         vertices: &vertices,
         triangles: &triangles,
+        attributes: Attributes::NONE,
     });
     assert_eq!(mesh.triangles.bounds(), list.bounds());
     let mut random = Random(seed);
@@ -366,4 +369,131 @@ fn a_scene_sees_it_as_any_mesh() {
     };
     assert!(scene.sample_light(0, &from, [any; 2]).is_none());
     assert!(scene.emit(0, [any; 2], [any; 2]).is_none());
+}
+
+/// Each vertex's own normal, any of those there are.
+fn any_normals(model: &Model) -> Vec<Octahedral> {
+    let mut random = Random(11);
+    let mut byte = || random.below(255) as i32 - 127;
+    model
+        .vertices
+        .iter()
+        .map(|_| Octahedral([byte() as i8, byte() as i8]))
+        .collect()
+}
+
+#[test]
+fn normals_come_back() {
+    for model in made() {
+        let normals = any_normals(&model);
+        let smooth = TriangleMesh {
+            attributes: Attributes { normals: &normals },
+            ..model.plain()
+        };
+        let packed = Packed::new(&smooth, &model.nodes).unwrap();
+        let (mesh, before) = (packed.mesh(), Triangles::from(smooth));
+        assert_eq!(
+            check_mesh(&mesh.triangles, mesh.nodes),
+            check_mesh(&before, &model.nodes),
+            "{}",
+            model.name
+        );
+        let all = |triangles: &Triangles| {
+            let mut all: Vec<_> = triangles
+                .numbers()
+                .map(|number| {
+                    let (corners, normals) = (
+                        triangles.corners(number).unwrap(),
+                        triangles.normals(number).unwrap(),
+                    );
+                    let corner = |i: usize| (corners[i % 3], normals[i % 3]);
+                    let turned = |i: usize| [corner(i), corner(i + 1), corner(i + 2)];
+                    (0..3).map(turned).min().unwrap()
+                })
+                .collect();
+            all.sort();
+            all
+        };
+        assert_eq!(all(&mesh.triangles), all(&before), "{}", model.name);
+        let flat = pack(&model);
+        assert!(flat.mesh().triangles.normals(0).is_none());
+        let vertices: usize = packed.vertices.len() - flat.vertices.len();
+        assert!(vertices >= 2 * model.vertices.len(), "{}: {vertices}", model.name);
+
+        // Without the last normal.
+        let Triangles::Packed(whole) = mesh.triangles else {
+            panic!("it is packed")
+        };
+        let end = whole.vertices.len() - PackedMesh::TAIL - 1;
+        let cut = Triangles::Packed(PackedMesh {
+            vertices: &whole.vertices[..end],
+            ..whole
+        });
+        let last = (packed.treelets.len() - 1) as u16;
+        let fault = MeshError::Vertices { treelet: last };
+        assert_eq!(
+            check_mesh(&cut, mesh.nodes),
+            Err(CheckError::Mesh(fault)),
+            "{}",
+            model.name
+        );
+        let few = Triangles::from(TriangleMesh {
+            attributes: Attributes {
+                normals: &normals[1..],
+            },
+            ..model.plain()
+        });
+        assert_eq!(
+            check_mesh(&few, &model.nodes),
+            Err(CheckError::Mesh(MeshError::Attributes)),
+            "{}",
+            model.name
+        );
+    }
+}
+
+/// Between a corner's normal and its neighbours', by the weights.
+#[test]
+fn normals_between() {
+    let model = meshes::icosphere(2, 3);
+    let normals: Vec<Octahedral> = model
+        .vertices
+        .iter()
+        .map(|v| Octahedral::encode(Dir::new(v.map(|c| i32::from(c) - 32768)).unwrap()))
+        .collect();
+    let smooth = TriangleMesh {
+        attributes: Attributes { normals: &normals },
+        ..model.plain()
+    };
+    let packed = Packed::new(&smooth, &model.nodes).unwrap();
+    let mut random = Random(3);
+    for triangles in [Triangles::from(smooth), packed.mesh().triangles] {
+        for triangle in triangles.numbers() {
+            let [a, b, c] = triangles.normals(triangle).unwrap().map(|normal| {
+                let [x, y] = normal.0.map(|b| f64::from(b) / 127.0);
+                let z = 1.0 - x.abs() - y.abs();
+                let v = match z < 0.0 {
+                    true => [(1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y), z],
+                    false => [x, y, z],
+                };
+                let length = v.iter().map(|c| c * c).sum::<f64>().sqrt();
+                v.map(|c| c / length)
+            });
+            let b1 = random.below(65537) as i32;
+            let hit = MeshHit {
+                t: 1,
+                triangle,
+                b1,
+                b2: random.below((65537 - b1) as u32) as i32,
+            };
+            let [w1, w2] = [hit.b1, hit.b2].map(|w| f64::from(w) / 65536.0);
+            let sum = [0, 1, 2].map(|i| a[i] * (1.0 - w1 - w2) + b[i] * w1 + c[i] * w2);
+            let length = sum.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let found = triangles.shading_normal(&hit).unwrap().0;
+            for i in 0..3 {
+                let error = f64::from(found[i]) / 65536.0 - sum[i] / length;
+                assert!(error.abs() < 1e-4, "{triangle} {hit:?}: {error}");
+            }
+        }
+    }
 }

@@ -88,7 +88,7 @@ fn rays(core: &CoreScene, scene: &Scene) -> Vec<Ray> {
             });
             let Some(vertex) = vertex else { continue };
             let (u, lobe) = (sampler.next_2d(), sampler.next_1d());
-            if let Some(sample) = vertex.material.sample(&vertex.local(), u, lobe) {
+            if let Some(sample) = vertex.sample(u, lobe) {
                 let origin = vertex.surface.leave(sample.wi);
                 rays.push(Ray {
                     origin,

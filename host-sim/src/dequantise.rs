@@ -4,7 +4,7 @@ use crate::quantise::{CoreScene, QuantiseError};
 use crate::reference;
 use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Shape, Vec3, vec3};
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point};
+use microlux::geom::{Dir, Octahedral, Point};
 use microlux::light::Environment;
 use std::sync::Arc;
 
@@ -135,20 +135,36 @@ fn geometry(
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
             let vertex = |v: &[u16; 3]| frame.point(mesh.grid().to_scene(*v));
-            let (vertices, triangles) = match mesh {
+            let (vertices, triangles, normals) = match mesh {
                 Triangles::Plain(mesh) => (
                     mesh.vertices.iter().map(vertex).collect(),
                     mesh.triangles.iter().map(|t| t.map(u32::from)).collect(),
+                    mesh.attributes.normals.iter().map(octahedral).collect(),
                 ),
                 Triangles::Packed(_) => {
                     let corners: Vec<_> = mesh.numbers().filter_map(|number| mesh.corners(number)).collect();
+                    let normals = mesh.numbers().filter_map(|number| mesh.normals(number));
                     let threes = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
-                    (corners.iter().flatten().map(vertex).collect(), threes.collect())
+                    (
+                        corners.iter().flatten().map(vertex).collect(),
+                        threes.collect(),
+                        normals.flatten().map(|normal| octahedral(&normal)).collect(),
+                    )
                 }
             };
-            Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, Vec::new())))
+            Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, normals)))
         }
     }
+}
+
+/// A point of the octahedron |x| + |y| + |z| = 1, unfolded: Cigolle et al. 2014, listing 1.
+fn octahedral(&Octahedral(bytes): &Octahedral) -> Vec3 {
+    let [x, y] = bytes.map(|b| (f64::from(b) / 127.0).max(-1.0));
+    let z = 1.0 - x.abs() - y.abs();
+    if z >= 0.0 {
+        return vec3(x, y, z);
+    }
+    vec3((1.0 - y.abs()).copysign(x), (1.0 - x.abs()).copysign(y), z)
 }
 
 /// A sky, its sun, or a map; a constant environment is one of the lights.

@@ -1,5 +1,6 @@
 //! A scene's meshes as they lie in flash, and what that costs them.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use microlux::bvh::{Child, Node, check_mesh, primitives};
@@ -7,7 +8,7 @@ use microlux::scene::{Baked, Mesh};
 use microlux::shape::{Bounds, TriangleMesh, Triangles};
 
 use crate::bake::{self, Aligned, Packed};
-use crate::desc::{GeometryDesc, SceneDesc, Vec3};
+use crate::desc::{GeometryDesc, MeshDesc, SceneDesc, Vec3};
 use crate::quantise::CoreScene;
 use crate::run::Error;
 
@@ -162,9 +163,24 @@ pub fn bytes(path: &Path) -> Result<[usize; 2], Error> {
     ])
 }
 
-/// Corners of all triangles of a mesh, metres, if a unit is `scale` of them.
-pub fn corners(mesh: &Triangles, scale: f64) -> Vec<[Vec3; 3]> {
-    let place = |corner| mesh.grid().to_scene(corner).0.map(|c| f64::from(c) * scale);
-    let triangles = mesh.numbers().filter_map(|number| mesh.corners(number));
-    triangles.map(|triangle| triangle.map(place)).collect()
+/// The triangles of a mesh, if a unit is `scale` metres.
+pub fn described(mesh: &Triangles, scale: f64) -> MeshDesc {
+    let mut places = HashMap::new();
+    let mut desc = MeshDesc::default();
+    for number in mesh.numbers() {
+        let (Some(corners), normals) = (mesh.corners(number), mesh.normals(number)) else {
+            continue;
+        };
+        desc.triangles.push([0, 1, 2].map(|corner| {
+            let (place, normal) = (corners[corner], normals.map(|normals| normals[corner]));
+            *places.entry((place, normal)).or_insert_with(|| {
+                let point = mesh.grid().to_scene(place).0;
+                desc.vertices.push(point.map(|c| f64::from(c) * scale));
+                let normal = normal.map(|normal| normal.decode().0.map(|c| f64::from(c) / 65536.0));
+                desc.normals.extend(normal);
+                desc.vertices.len() as u32 - 1
+            })
+        }));
+    }
+    desc
 }

@@ -7,12 +7,14 @@ use fixed::types::I12F20;
 use microlux::bvh::{Node, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point, REACH, Unit};
+use microlux::geom::{Dir, Octahedral, Point, REACH, Unit};
 use microlux::light::{Environment, Light, Sky};
 use microlux::material::Material;
 use microlux::num::{Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
-use microlux::shape::{Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh, Triangles};
+use microlux::shape::{
+    Attributes, Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh, Triangles,
+};
 use thiserror::Error;
 
 mod implicit;
@@ -31,15 +33,7 @@ pub enum QuantiseError {
 
 /// What of a scene is left out, a line each: the picture will differ by it.
 pub fn losses(desc: &SceneDesc) -> Vec<String> {
-    let smooth =
-        |shape: &&ShapeDesc| matches!(&shape.geometry, GeometryDesc::Mesh(mesh) if !mesh.normals.is_empty());
-    let line = |shape: &ShapeDesc| {
-        let name = &shape.name;
-        format!(
-            "{name}: its smooth normals are left out, its faces are flat; face_normals true says that they shall be"
-        )
-    };
-    let mut lines: Vec<String> = desc.shapes.iter().filter(smooth).map(line).collect();
+    let mut lines = Vec::new();
     for light in &desc.lights {
         if let LightDesc::EnvMap { width, height, .. } = light
             && let Some([across, down]) = envmap::resizing(*width as usize, *height as usize)
@@ -87,6 +81,8 @@ struct OwnedMesh {
     grid: Grid,
     vertices: Vec<[u16; 3]>,
     triangles: Vec<[u16; 3]>,
+    /// One a vertex, or none: flat faces.
+    normals: Vec<Octahedral>,
     nodes: Vec<Node>,
 }
 
@@ -96,6 +92,9 @@ impl OwnedMesh {
             grid: self.grid,
             vertices: &self.vertices,
             triangles: &self.triangles,
+            attributes: Attributes {
+                normals: &self.normals,
+            },
         };
         Mesh {
             triangles: triangles.into(),
@@ -423,6 +422,7 @@ impl Rounding {
             grid,
             vertices: &vertices,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         });
         let kept: Vec<bool> = (0..triangles.len())
             .map(|i| whole.normal(i as u32).is_some())
@@ -442,6 +442,7 @@ impl Rounding {
             grid,
             vertices,
             triangles,
+            normals: normals(mesh),
             nodes,
         })
     }
@@ -459,6 +460,31 @@ impl Rounding {
             None => pinhole,
         }
     }
+}
+
+/// Smooth normals in two bytes each; none for a mesh whose vertices all have their faces' own, to half a degree.
+fn normals(mesh: &MeshDesc) -> Vec<Octahedral> {
+    const FLAT: f64 = 0.99996;
+    let sub = |a: Vec3, b: Vec3| [0, 1, 2].map(|i| a[i] - b[i]);
+    let dot = |a: Vec3, b: Vec3| (0..3).map(|i| a[i] * b[i]).sum::<f64>();
+    let is_flat = |triangle: &[u32; 3]| {
+        let corner = |i: usize| mesh.vertices[triangle[i] as usize];
+        let (e, f) = (sub(corner(1), corner(0)), sub(corner(2), corner(0)));
+        let face = [
+            e[1] * f[2] - e[2] * f[1],
+            e[2] * f[0] - e[0] * f[2],
+            e[0] * f[1] - e[1] * f[0],
+        ];
+        let along = |&index: &u32| dot(mesh.normals[index as usize], face) >= FLAT * norm(face);
+        triangle.iter().all(along)
+    };
+    if mesh.normals.is_empty() || mesh.triangles.iter().all(is_flat) {
+        return Vec::new();
+    }
+    mesh.normals
+        .iter()
+        .map(|&normal| Octahedral::encode(dir(normal)))
+        .collect()
 }
 
 fn norm(v: Vec3) -> f64 {

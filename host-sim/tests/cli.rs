@@ -158,7 +158,8 @@ fn meshes_are_baked_and_read_again() {
     let baked = json("bake.json");
     assert_eq!(baked["bytes_total"], blob.len());
     let each = baked["meshes"][0]["bytes_a_triangle"].as_f64().unwrap();
-    assert!(each > 8.0 && each < 11.0, "{each}");
+    // Smooth normals are 1.2 of them.
+    assert!(each > 9.0 && each < 12.0, "{each}");
     let [rounded, exact] =
         ["sah_cost", "sah_cost_exact"].map(|key| baked["meshes"][0][key].as_f64().unwrap());
     assert!(

@@ -8,7 +8,9 @@ mod caustic;
 use std::sync::atomic::AtomicBool;
 
 use host_sim::builtin;
-use host_sim::desc::{BsdfDesc, IntegratorKind, SamplerKind, SceneDesc};
+use host_sim::desc::{
+    BsdfDesc, GeometryDesc, IntegratorKind, MeshDesc, NamedMaterial, SamplerKind, SceneDesc, ShapeDesc, Vec3,
+};
 use host_sim::run::{Error, Options, Picture, Stats, render_fixed, render_reference};
 
 const SEEDS: u32 = 24;
@@ -53,6 +55,83 @@ fn estimate(made: impl Fn(u32) -> Result<(Picture, Stats), Error>) -> (f64, f64)
     (mean, (variance / n).sqrt())
 }
 
+/// Instead of its boxes, two coarse balls of triangles in the room, with the normals of round ones; of glass and rough metal
+/// if they shall be shiny.
+fn smoothen(desc: &mut SceneDesc, shiny: bool) {
+    let matt = desc.shapes[0].material;
+    desc.shapes
+        .retain(|shape| !matches!(shape.geometry, GeometryDesc::Mesh(_)));
+    let materials = [
+        BsdfDesc::Dielectric {
+            int_ior: 1.5,
+            ext_ior: 1.0,
+            specular_reflectance: [1.0; 3],
+            specular_transmittance: [1.0; 3],
+        },
+        BsdfDesc::RoughConductor {
+            alpha: 0.3,
+            specular_reflectance: [0.9, 0.8, 0.5],
+            eta_k: None,
+        },
+    ];
+    let (low, high) = {
+        let [low, high] = host_sim::quantise::bounds_of(desc);
+        (low, [0, 1, 2].map(|i| high[i] - low[i]))
+    };
+    for (place, bsdf) in [0.3, 0.7].into_iter().zip(materials) {
+        let centre = [0, 1, 2].map(|i| low[i] + high[i] * [place, 0.25, 0.5][i]);
+        let material = if shiny {
+            desc.materials.push(NamedMaterial {
+                name: format!("ball at {place}"),
+                two_sided: false,
+                bsdf,
+            });
+            desc.materials.len() - 1
+        } else {
+            matt
+        };
+        desc.shapes.push(ShapeDesc {
+            name: format!("ball at {place}"),
+            geometry: GeometryDesc::Mesh(ball(centre, 0.18 * high[0])),
+            material,
+            emission: None,
+        });
+    }
+}
+
+/// An octahedron, each face cut into 16, blown up to a ball.
+fn ball(centre: Vec3, radius: f64) -> MeshDesc {
+    const CUTS: i32 = 4;
+    let (mut vertices, mut normals, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    let mut vertex = |p: [i32; 3]| {
+        let length = f64::from(p.iter().map(|c| c * c).sum::<i32>()).sqrt();
+        let normal = p.map(|c| f64::from(c) / length);
+        vertices.push([0, 1, 2].map(|i| centre[i] + radius * normal[i]));
+        normals.push(normal);
+        vertices.len() as u32 - 1
+    };
+    for sides in 0..8 {
+        let sign = [0, 1, 2].map(|axis| if sides >> axis & 1 == 0 { 1 } else { -1 });
+        let turns = sign[0] * sign[1] * sign[2] > 0;
+        let mut corner = |x: i32, y: i32| vertex([sign[0] * x, sign[1] * y, sign[2] * (CUTS - x - y)]);
+        for x in 0..CUTS {
+            for y in 0..CUTS - x {
+                let mut push =
+                    |[a, b, c]: [u32; 3]| triangles.push(if turns { [a, b, c] } else { [a, c, b] });
+                push([corner(x, y), corner(x + 1, y), corner(x, y + 1)]);
+                if x + y < CUTS - 1 {
+                    push([corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)]);
+                }
+            }
+        }
+    }
+    MeshDesc {
+        vertices,
+        triangles,
+        normals,
+    }
+}
+
 #[test]
 fn the_core_agrees_with_the_reference() {
     let cancel = AtomicBool::new(false);
@@ -71,11 +150,15 @@ fn the_core_agrees_with_the_reference() {
         ("sky", &most, 256),
         ("sky, matt", &most, 256),
         ("map", &most, 256),
+        ("cornell, smooth", &matt, 512),
+        ("cornell, smooth glass and metal", &most, 512),
     ] {
-        let (scene, is_matt) = name
-            .split_once(',')
-            .map_or((name, false), |(scene, _)| (scene, true));
+        let (scene, variant) = name.split_once(", ").unwrap_or((name, ""));
+        let is_matt = variant == "matt";
         let mut desc = builtin::scene(scene).unwrap();
+        if let Some(shiny) = variant.strip_prefix("smooth") {
+            smoothen(&mut desc, !shiny.is_empty());
+        }
         // Lamps that the camera sees are the most of many pictures' light, and the noise of their rims most of the noise.
         desc.integrator.hide_emitters = true;
         if is_matt {

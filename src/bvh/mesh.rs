@@ -172,7 +172,7 @@ mod tests {
     use super::*;
     use crate::bvh::{build_mesh, max_nodes};
     use crate::geom::{Dir, Point};
-    use crate::shape::{Grid, TriangleMesh};
+    use crate::shape::{Attributes, Grid, TriangleMesh};
 
     /// A hundred times the same triangle, turned by its corners: the tree's order is not the list's.
     #[test]
@@ -194,6 +194,7 @@ mod tests {
             grid,
             vertices: &vertices,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         });
         let first = triangles.iter().position(|t| !t.contains(&3)).unwrap() as u32;
         for dir in [Dir::Z, Dir([300, -200, 65535])] {
@@ -220,6 +221,7 @@ mod tests {
             grid,
             vertices: &vertices,
             triangles: &[[0, 1, 3]],
+            attributes: Attributes::NONE,
         });
         let ray = Ray {
             origin: Point([1000, 1000, 8]),

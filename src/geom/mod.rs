@@ -4,11 +4,13 @@
 //! scene is made, so that everything finite lies within ±[`REACH`].
 
 mod frame;
+mod octahedral;
 mod ray;
 mod unit;
 mod vec;
 
 pub use frame::Frame;
+pub use octahedral::Octahedral;
 pub use ray::Ray;
 pub use unit::{Unit, point};
 pub use vec::{Dir, Norm, Offset, Point, cross};

@@ -5,7 +5,7 @@ use crate::sampler::{Sampler, warp};
 
 /// How open the surface is that the camera sees: the share of the hemisphere above it, by cosine, where nothing stands.
 ///
-/// (1/π) ∫ V cos θ dω about the normal on the eye's side, V being 1 where a ray meets nothing within the radius (Landis,
+/// (1/π) ∫ V cos θ dω about the shading normal on the eye's side, V being 1 where a ray meets nothing within the radius (Landis,
 /// "Production-Ready Global Illumination", SIGGRAPH course notes 16, 2002). Materials count for nothing, lights are
 /// shapes like others, and where the camera sees nothing it is black.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,14 +51,14 @@ impl Integrator for AmbientOcclusion {
         let Some(hit) = view.scene.closest(&ray) else {
             return Radiance::BLACK;
         };
-        let surface = view.scene.vertex(&ray, &hit).surface;
-        let normal = if ray.dir.dot_q24(surface.normal) > 0 {
-            -surface.normal
-        } else {
-            surface.normal
-        };
+        let vertex = view.scene.vertex(&ray, &hit);
+        let (surface, normal) = (&vertex.surface, vertex.facing());
         let drawn = warp::sample_cosine_hemisphere(sampler.next_2d());
         let dir = Frame::about(normal).to_world(drawn);
+        if (dir.dot_q24(surface.normal) > 0) != (vertex.wo.dot_q24(surface.normal) > 0) {
+            // A smooth normal's hemisphere reaches behind the surface.
+            return Radiance::BLACK;
+        }
         let outwards = Ray {
             origin: surface.leave(dir),
             dir,

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Features {
     pub albedo: Albedo,
-    /// Towards the eye's side.
+    /// The one that shading sees, towards the eye's side.
     pub normal: Dir,
     /// Length of the way there, units; at most `i32::MAX`.
     pub depth: i32,
@@ -30,20 +30,12 @@ pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
             None
         } else {
             // The last of the lobe's range: refraction, wherever there is any.
-            vertex
-                .material
-                .sample(&vertex.local(), [Uniform::ZERO; 2], Uniform::MAX)
+            vertex.sample([Uniform::ZERO; 2], Uniform::MAX)
         };
         let Some(onward) = onward else {
-            let normal = vertex.surface.normal;
-            let normal = if vertex.wo.dot_q24(normal) < 0 {
-                -normal
-            } else {
-                normal
-            };
             return Some(Features {
                 albedo: vertex.material.albedo(),
-                normal,
+                normal: vertex.facing(),
                 depth,
                 id: vertex.id,
             });

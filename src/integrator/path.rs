@@ -106,7 +106,7 @@ impl Path {
             }
 
             // Go on in a direction drawn from the BSDF.
-            let Some(sample) = vertex.material.sample(&vertex.local(), direction, lobe) else {
+            let Some(sample) = vertex.sample(direction, lobe) else {
                 break;
             };
             throughput = throughput.mul(sample.weight);
@@ -146,7 +146,7 @@ impl Path {
         let Some(sample) = scene.sample_light(light, &vertex.surface, place) else {
             return Radiance::BLACK;
         };
-        let Some((reflected, bsdf_pdf)) = vertex.material.eval(&vertex.local(), sample.wi) else {
+        let Some((reflected, bsdf_pdf)) = vertex.eval(sample.wi) else {
             return Radiance::BLACK;
         };
         let shadow = Ray {

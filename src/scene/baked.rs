@@ -18,14 +18,15 @@
 //! | 12 ..= 23 | bounds of the vertices, grid steps: 3×u16 the lowest, 3×u16 the highest |
 //! | 24 | the grid's shift: a step is 2^shift scene units |
 //! | 25 | the scene's unit: 2^-n metres, i8 |
-//! | 26, 27 | 0 |
+//! | 26 | what vertices say beside where they are: bits of [`Layers`] |
+//! | 27 | 0 |
 //! | 28 ..= 43 | bytes of its parts, 4×u32: nodes (40 each), treelets (12 each), vertices, leaves |
 
 use super::Mesh;
 use crate::bvh::Node;
 use crate::geom::{Point, Unit};
 use crate::num::Crc;
-use crate::shape::{Bounds, Grid, PackedMesh, Treelet, Triangles};
+use crate::shape::{Bounds, Grid, Layers, PackedMesh, Treelet, Triangles};
 use zerocopy::byteorder::little_endian::{I32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
 
@@ -48,7 +49,8 @@ pub struct Entry {
     bounds: [[U16; 3]; 2],
     shift: u8,
     fraction_bits: i8,
-    zero: [u8; 2],
+    layers: u8,
+    zero: u8,
     parts: [U32; 4],
 }
 
@@ -88,7 +90,8 @@ impl Entry {
             bounds: [mesh.bounds.low, mesh.bounds.high].map(|corner| corner.map(U16::new)),
             shift: mesh.grid.shift() as u8,
             fraction_bits: unit.fraction_bits() as i8,
-            zero: [0; 2],
+            layers: mesh.layers.bits(),
+            zero: 0,
             parts: parts.map(|bytes| (bytes as u32).into()),
         }
     }
@@ -193,7 +196,12 @@ impl<'a> Baked<'a> {
                 nodes.is_multiple_of(size_of::<Node>()) && treelets.is_multiple_of(size_of::<Treelet>());
             let is_unit =
                 Unit::new(entry.fraction_bits.into()).fraction_bits() == i32::from(entry.fraction_bits);
-            if !whole || !is_unit || entry.zero != [0; 2] || entry.grid().is_none() {
+            if !whole
+                || !is_unit
+                || entry.zero != 0
+                || Layers::from_bits(entry.layers).is_none()
+                || entry.grid().is_none()
+            {
                 return Err(wrong);
             }
         }
@@ -234,6 +242,7 @@ impl<'a> Baked<'a> {
             triangles: Triangles::Packed(PackedMesh {
                 grid: entry.grid().ok_or(wrong)?,
                 bounds: Bounds { low, high },
+                layers: Layers::from_bits(entry.layers).ok_or(wrong)?,
                 treelets: <[Treelet]>::ref_from_bytes(treelets).map_err(|_| wrong)?,
                 vertices: next(vertices).ok_or(wrong)?,
                 leaves: next(leaves).ok_or(wrong)?,

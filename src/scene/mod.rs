@@ -20,7 +20,7 @@ use crate::bvh::Node;
 use crate::color::Radiance;
 use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
-use crate::material::{Local, Material};
+use crate::material::{BsdfSample, Local, Material};
 use crate::num::{Uniform, Wide};
 use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, Triangles};
 
@@ -105,6 +105,8 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<'a> {
     pub surface: Surface,
+    /// Of a mesh with smooth normals: the one between them.
+    pub shading: Option<Dir>,
     /// Back along the ray.
     pub wo: Dir,
     pub material: &'a Material,
@@ -117,14 +119,100 @@ pub struct Vertex<'a> {
     pub id: u16,
 }
 
+/// What the material does here. It sees the shading normal, but the geometric one decides sides (Veach 1997, section 5.3):
+///
+/// - where the two put the eye on different sides, at a smooth mesh's outline, the material sees the geometric one;
+/// - light goes nowhere where they put its direction on different sides, or else it would leak through the surface.
 impl Vertex<'_> {
+    /// As seen along `wo`.
     #[inline]
-    pub fn local(&self) -> Local {
-        Local {
-            normal: self.surface.normal,
-            wo: self.wo,
-        }
+    fn local(&self, wo: Dir) -> Local {
+        let geometric = self.surface.normal;
+        let normal = match self.shading {
+            Some(shading) if are_one_side(shading, geometric, wo) => shading,
+            _ => geometric,
+        };
+        Local { normal, wo }
     }
+
+    /// The normal that shading sees, on the eye's side.
+    #[inline]
+    pub fn facing(&self) -> Dir {
+        let Local { normal, wo } = self.local(self.wo);
+        if wo.dot_q24(normal) < 0 { -normal } else { normal }
+    }
+
+    #[inline]
+    fn leaks(&self, local: &Local, wi: Dir) -> bool {
+        self.shading.is_some() && !are_one_side(local.normal, self.surface.normal, wi)
+    }
+
+    /// [`Material::eval`] of light that comes from `wi`.
+    #[inline]
+    pub fn eval(&self, wi: Dir) -> Option<(Radiance, Wide)> {
+        self.eval_towards(self.wo, wi)
+    }
+
+    /// The same of light on its way to `wo`.
+    #[inline]
+    pub fn eval_towards(&self, wo: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
+        let local = self.local(wo);
+        if self.leaks(&local, wi) {
+            return None;
+        }
+        self.material.eval(&local, wi)
+    }
+
+    /// [`Material::pdf`] of `wi`, coming along `wo`.
+    #[inline]
+    pub fn pdf(&self, wo: Dir, wi: Dir) -> Wide {
+        let local = self.local(wo);
+        if self.leaks(&local, wi) {
+            return Wide::ZERO;
+        }
+        self.material.pdf(&local, wi)
+    }
+
+    /// [`Material::sample`].
+    #[inline]
+    pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
+        let local = self.local(self.wo);
+        let sample = self.material.sample(&local, u, lobe)?;
+        (!self.leaks(&local, sample.wi)).then_some(sample)
+    }
+
+    /// [`Material::eta_squared`].
+    #[inline]
+    pub fn eta_squared(&self, wi: Dir) -> Wide {
+        self.material.eta_squared(&self.local(self.wo), wi)
+    }
+
+    /// Whether light is reflected as well one way as the other, but for [`Self::eta_squared`].
+    #[inline]
+    pub fn is_reciprocal(&self) -> bool {
+        self.shading.is_none() && self.material.is_reciprocal()
+    }
+
+    /// What light that a mirror or glass sends from `wo` to `wi` gains over radiance that goes the other way: the squared
+    /// ratio of refractive indices, and with a shading normal n_s beside n_g |n_s·wo| |n_g·wi| / (|n_g·wo| |n_s·wi|)
+    /// (Veach 1997, equation 5.19).
+    pub fn specular_light_gain(&self, sample: &BsdfSample) -> Wide {
+        if self.shading.is_none() {
+            return sample.eta_squared;
+        }
+        let (local, wi) = (self.local(self.wo), sample.wi);
+        let cos = |a: Dir, b: Dir| Wide::new(a.dot_q24(b).unsigned_abs().max(1), -24);
+        let (shading, geometric) = (local.normal, self.surface.normal);
+        let gain =
+            cos(shading, local.wo) * cos(geometric, wi) / (cos(geometric, local.wo) * cos(shading, wi));
+        sample.eta_squared * gain
+    }
+}
+
+/// Whether two normals put a direction on the same side.
+#[inline]
+fn are_one_side(a: Dir, b: Dir, dir: Dir) -> bool {
+    (a.dot_q24(dir) > 0) == (b.dot_q24(dir) > 0)
 }
 
 impl<'a> Scene<'a> {
@@ -195,9 +283,10 @@ impl<'a> Scene<'a> {
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
         let shape = self.parts.shapes.get(hit.shape as usize);
+        let mut shading = None;
         let surface = shape
             .and_then(|shape| match shape.geometry {
-                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit),
+                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit, &mut shading),
                 Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
@@ -217,6 +306,7 @@ impl<'a> Scene<'a> {
         };
         Vertex {
             surface,
+            shading,
             wo,
             material: material.unwrap_or(&Material::Black),
             light,
@@ -321,16 +411,20 @@ impl<'a> Scene<'a> {
         })
     }
 
-    fn mesh_surface(&self, mesh: u16, hit: &Hit) -> Option<Surface> {
+    fn mesh_surface(&self, mesh: u16, hit: &Hit, shading: &mut Option<Dir>) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         let [b1, b2] = hit.barycentric;
+        let hit = MeshHit {
+            t: hit.t,
+            triangle: hit.triangle,
+            b1,
+            b2,
+        };
+        if mesh.is_smooth() {
+            *shading = mesh.shading_normal(&hit);
+        }
         Some(Surface {
-            point: mesh.point(&MeshHit {
-                t: hit.t,
-                triangle: hit.triangle,
-                b1,
-                b2,
-            })?,
+            point: mesh.point(&hit)?,
             normal: mesh.normal(hit.triangle)?,
             lift: mesh.offset(),
         })

@@ -1,3 +1,4 @@
+use super::attributes::Attributes;
 use super::grid::{Bounds, Grid};
 
 /// Triangles by index over vertices of 3×u16, borrowed as they lie (in flash).
@@ -9,6 +10,7 @@ pub struct TriangleMesh<'a> {
     /// Grid coordinates, each in [`Grid::MARGIN`] ..= 65535 − [`Grid::MARGIN`].
     pub vertices: &'a [[u16; 3]],
     pub triangles: &'a [[u16; 3]],
+    pub attributes: Attributes<'a>,
 }
 
 /// Where a ray meets a mesh.
@@ -28,6 +30,8 @@ pub struct MeshHit {
 pub enum MeshError {
     /// This vertex lies within [`Grid::MARGIN`] steps of the cube's faces.
     Margin { vertex: u32 },
+    /// There are normals, but not one for each vertex.
+    Attributes,
     /// This triangle (in a packed mesh: this leaf, by its first triangle) names a vertex there is not.
     Index { triangle: u32 },
     /// This triangle has a corner within [`Grid::MARGIN`] steps of the cube's faces.
@@ -48,6 +52,7 @@ impl core::fmt::Display for MeshError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Margin { vertex } => write!(f, "vertex {vertex} lies too near a face of its cube"),
+            Self::Attributes => f.write_str("its normals are not one for each vertex"),
             Self::Index { triangle } => write!(f, "triangle {triangle} names a vertex there is not"),
             Self::Corner { triangle } => {
                 write!(f, "triangle {triangle} has a corner too near a face of its cube")
@@ -73,6 +78,9 @@ impl<'a> TriangleMesh<'a> {
             .position(|v| !v.iter().all(|c| inner.contains(c)))
         {
             return Err(MeshError::Margin { vertex: i as u32 });
+        }
+        if !self.attributes.fit(self.vertices.len()) {
+            return Err(MeshError::Attributes);
         }
         match self
             .triangles

@@ -4,6 +4,7 @@
 //! there, never of the scene; and it says how far a ray's origin must be lifted off it so that the ray does not meet it
 //! again: bounds from the arithmetic, no epsilon.
 
+mod attributes;
 mod grid;
 mod implicit;
 mod mesh;
@@ -17,6 +18,7 @@ mod triangles;
 
 use crate::geom::{Dir, Point, Ray};
 
+pub use attributes::{Attributes, Layers};
 pub use grid::{Bounds, Grid, GridRay, Slopes};
 pub(crate) use grid::{DEPTH_BITS, Rise, SLOPE_BITS};
 pub use implicit::{

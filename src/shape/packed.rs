@@ -15,8 +15,10 @@
 //! A triangle's number is its block's offset · 16 + its leaf's place in the block · 4 + its place in the leaf. It rises
 //! along the stream; it is what decides ties, and what a [`super::MeshHit`] names.
 
+use super::attributes::Layers;
 use super::grid::{Bounds, Grid};
 use super::mesh::MeshError;
+use crate::geom::Octahedral;
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// Up to 256 vertices near to each other.
@@ -28,7 +30,8 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 /// | 8 ..= 10 | where its vertices begin, bytes |
 /// | 11 | vertices − 1 |
 ///
-/// A vertex is its three distances, x in the lowest bits; vertices follow each other without a gap. Little-endian in flash.
+/// A vertex is its three distances, x in the lowest bits; vertices follow each other without a gap. After the last one's
+/// byte comes for each vertex what else it says ([`Layers`]), without a gap, too. Little-endian in flash.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Treelet {
@@ -93,7 +96,11 @@ impl Treelet {
         (self.start_high as usize) << 16 | self.start_low as usize
     }
 
-    /// Bytes that so many vertices take.
+    fn count(&self) -> u32 {
+        u32::from(self.last) + 1
+    }
+
+    /// Bytes that the places of so many vertices take.
     pub const fn bytes(widths: [u32; 3], vertices: u32) -> usize {
         ((widths[0] + widths[1] + widths[2]) * vertices).div_ceil(8) as usize
     }
@@ -107,6 +114,8 @@ pub struct PackedMesh<'a> {
     pub grid: Grid,
     /// Around all vertices, grid coordinates.
     pub bounds: Bounds,
+    /// What vertices say beside where they are.
+    pub layers: Layers,
     pub treelets: &'a [Treelet],
     /// Vertices of all treelets, then [`PackedMesh::TAIL`] bytes of any value.
     pub vertices: &'a [u8],
@@ -160,6 +169,56 @@ impl<'a> PackedMesh<'a> {
             strip.advance(self)?;
         }
         Some(strip.corners)
+    }
+
+    /// The treelet of the triangle with a number, and its corners' indices in it.
+    fn indices(&self, triangle: u32) -> Option<(&'a Treelet, [u8; 3])> {
+        let Strip {
+            treelet,
+            mut rest,
+            mut codes,
+            ..
+        } = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
+        let mut next = || {
+            let (&index, after) = rest.split_first()?;
+            rest = after;
+            Some(index)
+        };
+        let mut corners = [0; 3];
+        for _ in 0..=(triangle & 3) {
+            let [a, b, c] = corners;
+            let [first, second] = match codes & 3 {
+                0 => [b, a],
+                1 => [c, b],
+                2 => [a, c],
+                _ => [next()?, next()?],
+            };
+            codes >>= 2;
+            corners = [first, second, next()?];
+        }
+        Some((treelet, corners))
+    }
+
+    /// What a vertex of a treelet says beside where it is; empty if it says nothing.
+    fn said(&self, treelet: &Treelet, index: u8) -> Option<&'a [u8]> {
+        let stride = self.layers.stride();
+        let begin = treelet.start() + Treelet::bytes(treelet.widths(), treelet.count());
+        self.vertices
+            .get(begin + usize::from(index) * stride..)?
+            .get(..stride)
+    }
+
+    /// Of the corners of the triangle with a number; `None` for flat faces.
+    pub(crate) fn normals(&self, triangle: u32) -> Option<[Octahedral; 3]> {
+        if !self.layers.has(Layers::NORMALS) {
+            return None;
+        }
+        let (treelet, [a, b, c]) = self.indices(triangle)?;
+        let normal = |index| {
+            let said = self.said(treelet, index)?;
+            Octahedral::read_from_prefix(said).ok().map(|(normal, _)| normal)
+        };
+        Some([normal(a)?, normal(b)?, normal(c)?])
     }
 
     /// Each leaf in the order of the stream: block, place in it, triangles. It ends where the stream does, or makes no
@@ -303,7 +362,10 @@ impl PackedMesh<'_> {
                 return Err(MeshError::Bounds { triangle });
             }
         }
-        Ok(())
+        match self.said(treelet, treelet.last) {
+            Some(_) => Ok(()),
+            None => Err(MeshError::Vertices { treelet: number }),
+        }
     }
 }
 
@@ -366,6 +428,7 @@ mod tests {
         let mesh = PackedMesh {
             grid: Grid::new(Point([0; 3]), 0).unwrap(),
             bounds: Bounds::of(&[[100, 200, 300], [107, 203, 315], [100, 200, 300]]),
+            layers: Layers::default(),
             treelets: &treelets,
             vertices: &vertices,
             leaves: &leaves,

@@ -1,9 +1,10 @@
+use super::attributes::Layers;
 use super::grid::{Bounds, Grid};
 use super::mesh::{MeshHit, TriangleMesh, corners};
 use super::packed::{PackedMesh, Strip};
 use super::triangle::Edge;
-use crate::geom::{Dir, Norm, Offset, Point};
-use crate::num::{Wide, mul_q16};
+use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
+use crate::num::{ONE_Q16, Wide, mul_q16};
 
 /// The triangles of a mesh, either as they are indexed or packed into few bytes.
 ///
@@ -56,7 +57,11 @@ impl<'a> Triangles<'a> {
     /// Bytes of flash, without the tree.
     pub fn bytes(&self) -> usize {
         match self {
-            Triangles::Plain(mesh) => size_of_val(mesh.vertices) + size_of_val(mesh.triangles),
+            Triangles::Plain(mesh) => {
+                size_of_val(mesh.vertices)
+                    + size_of_val(mesh.triangles)
+                    + size_of_val(mesh.attributes.normals)
+            }
             Triangles::Packed(mesh) => size_of_val(mesh.treelets) + mesh.vertices.len() + mesh.leaves.len(),
         }
     }
@@ -104,6 +109,43 @@ impl<'a> Triangles<'a> {
     pub fn normal(&self, triangle: u32) -> Option<Dir> {
         let (cross, _) = self.cross(triangle)?;
         Some(cross.normalize()?.0)
+    }
+
+    /// Whether it has normals for smooth shading.
+    #[inline]
+    pub const fn is_smooth(&self) -> bool {
+        match self {
+            Triangles::Plain(mesh) => !mesh.attributes.normals.is_empty(),
+            Triangles::Packed(mesh) => mesh.layers.has(Layers::NORMALS),
+        }
+    }
+
+    /// The corners' normals; `None` for flat faces.
+    pub fn normals(&self, triangle: u32) -> Option<[Octahedral; 3]> {
+        match self {
+            Triangles::Plain(mesh) => {
+                let normals = mesh.attributes.normals;
+                let [a, b, c] = mesh.triangles.get(triangle as usize)?.map(usize::from);
+                Some([*normals.get(a)?, *normals.get(b)?, *normals.get(c)?])
+            }
+            Triangles::Packed(mesh) => mesh.normals(triangle),
+        }
+    }
+
+    /// The normal for shading between the corners' normals, by the weights of a hit (Phong 1975); `None` for flat faces,
+    /// and where they cancel.
+    #[inline(never)]
+    pub fn shading_normal(&self, hit: &MeshHit) -> Option<Dir> {
+        let [a, b, c] = self.normals(hit.triangle)?.map(Octahedral::decode);
+        let first = ONE_Q16 - hit.b1 - hit.b2;
+        // Q16, under 2^18.
+        let mix = |i: usize| mul_q16(a.0[i], first) + mul_q16(b.0[i], hit.b1) + mul_q16(c.0[i], hit.b2);
+        let sum = [mix(0), mix(1), mix(2)];
+        // Nearly opposite normals: rounding would choose.
+        if sum.iter().all(|part| part.abs() < 1 << 8) {
+            return None;
+        }
+        Dir::new(sum)
     }
 
     /// Twice the area, scene units²; 0 for a triangle without area. Relative error 2^-14 at most.
@@ -209,12 +251,13 @@ impl<'a> Leaf<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shape::MeshError;
+    use crate::shape::{Attributes, MeshError};
 
     const PLAIN: TriangleMesh = TriangleMesh {
         grid: Grid::new(Point([100, 200, 300]), 2).unwrap(),
         vertices: &[[10, 10, 10], [50010, 10, 10], [10, 40010, 10], [10, 40011, 10]],
         triangles: &[[0, 1, 2], [0, 3, 1], [0, 2, 3]],
+        attributes: Attributes::NONE,
     };
 
     fn mesh() -> Triangles<'static> {

@@ -1,15 +1,15 @@
 //! Rooms of a few shapes, in metres, that bring out what an integrator may get wrong.
 
 use fixed::types::I12F20;
-use microlux::bvh::{Node, max_nodes};
+use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point};
+use microlux::geom::{Dir, Octahedral, Point};
 use microlux::light::{Environment, Light, Sky};
 use microlux::material::{Dielectric, Material};
 use microlux::num::{Metres, Share, Turn};
-use microlux::scene::{Borrowed, MaterialId, Scene, SceneBuilder};
-use microlux::shape::{Disk, Plane, Rectangle, Sphere};
+use microlux::scene::{Borrowed, MaterialId, Mesh, Scene, SceneBuilder};
+use microlux::shape::{Attributes, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 
 /// Which room.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,17 +26,21 @@ pub enum Room {
     Sky,
     /// Matt walls without a ceiling and a ball, under a sky with a broad sun.
     Sun,
+    /// Matt walls, lit by a rectangle; the floor's normals lean as if it were a round bowl upside down, by up to half a right
+    /// angle.
+    Smooth,
     /// A ball and a wall between two endless planes, in low light from behind and in light that one of the planes keeps
     /// out, under a sky.
     Yard,
 }
 
-pub const ROOMS: [Room; 6] = [
+pub const ROOMS: [Room; 7] = [
     Room::Lamps,
     Room::Points,
     Room::Caustics,
     Room::Sky,
     Room::Sun,
+    Room::Smooth,
     Room::Yard,
 ];
 
@@ -191,6 +195,12 @@ impl Room {
                     .shape(Sphere::new(at([0.3, -0.5, 0.0]), units(0.4)), white)
                     .unwrap();
             }
+            Room::Smooth => {
+                walls(&mut builder, [white, red, green], false);
+                builder.shape(Geometry::Mesh(0), white).unwrap();
+                let down = rectangle([0.0, 0.95, 0.0], [0.5, 0.0, 0.0], [0.0, 0.0, 0.5]);
+                builder.emitter(down, black, light([3.0, 3.0, 2.0])).unwrap();
+            }
             Room::Yard => {
                 // Much of the floor behind, which the sun reaches before it could enter a ball about what stands there.
                 camera = Camera::look_at(at([0.1, 1.5, 3.5]), at([0.0, -0.8, -1.5]), [1, 30, 2], tan_half)
@@ -229,7 +239,26 @@ impl Room {
             Room::Yard => Some(gradient()),
             _ => None,
         };
+        // A little above the floor's rectangle.
+        let corners = [[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]];
+        let grid = Grid::around(at([-1.0; 3]), at([1.0; 3]), Grid::MARGIN).unwrap();
+        let vertices = corners.map(|[x, z]| grid.enclose(at([x, -0.95, z]), at([x, -0.95, z])).low);
+        let normals = corners.map(|[x, z]| Octahedral::encode(dir([0.6 * x, 1.0, 0.6 * z])));
+        let mut triangles = [[0, 2, 1], [0, 3, 2]];
+        let mut tree = [Node::EMPTY; max_nodes(2)];
+        let used = build_mesh(&vertices, &mut triangles, &mut tree).unwrap();
+        let bowl = TriangleMesh {
+            grid,
+            vertices: &vertices,
+            triangles: &triangles,
+            attributes: Attributes { normals: &normals },
+        };
+        let meshes = [Mesh {
+            triangles: bowl.into(),
+            nodes: &tree[..used],
+        }];
         let borrowed = Borrowed {
+            meshes: if self == Room::Smooth { &meshes } else { &[] },
             environment: sky.as_ref().map_or(Environment::None, Environment::Sky),
             ..Borrowed::default()
         };

@@ -12,8 +12,8 @@ use microlux::num::{Metres, Turn};
 use microlux::q;
 use microlux::scene::{Borrowed, MaterialId, Mesh, Parts, Scene, SceneBuilder, SceneError, Shape};
 use microlux::shape::{
-    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, MAX_BLOBS, MeshError, Metaballs, Plane,
-    Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
+    Attributes, Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, MAX_BLOBS, MeshError,
+    Metaballs, Plane, Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
 };
 
 type Builder = SceneBuilder<8, 4, 4>;
@@ -498,6 +498,7 @@ fn with_mesh(
             grid,
             vertices,
             triangles,
+            attributes: Attributes::NONE,
         }
         .into(),
         nodes: &tree[..nodes],
@@ -769,6 +770,7 @@ fn a_mesh_coarser_than_the_scene() {
             grid: Grid::new(CENTER, shift).unwrap(),
             vertices: &VERTICES,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         }
         .into(),
         nodes: &tree,

@@ -13,7 +13,7 @@ use microlux::num::Share;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
 use microlux::scene::{Borrowed, MaterialId, Mesh, Scene, SceneBuilder};
-use microlux::shape::{Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
+use microlux::shape::{Attributes, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh};
 
 pub type Vec3 = [f64; 3];
 
@@ -269,6 +269,7 @@ impl<'a> Stage<'a> {
                     grid: mesh.grid,
                     vertices: &mesh.vertices,
                     triangles: &mesh.triangles,
+                    attributes: Attributes::NONE,
                 }
                 .into(),
                 nodes: &mesh.nodes,

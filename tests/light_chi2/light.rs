@@ -7,7 +7,7 @@ use microlux::material::Material;
 use microlux::num::{Share, Turn, Wide};
 use microlux::q;
 use microlux::scene::{Mesh, SceneBuilder};
-use microlux::shape::{Disk, Geometry, Grid, Rectangle, Sphere, Surface, TriangleMesh};
+use microlux::shape::{Attributes, Disk, Geometry, Grid, Rectangle, Sphere, Surface, TriangleMesh};
 
 const BRIGHT: Radiance = Radiance::new(q!(3), q!(2), q!(1));
 
@@ -110,6 +110,7 @@ fn mesh() {
             grid,
             vertices: &vertices,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         }
         .into(),
         nodes: &nodes[..used],

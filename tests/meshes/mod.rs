@@ -2,7 +2,7 @@
 
 use microlux::bvh::{Node, build_mesh, check_mesh, max_nodes};
 use microlux::geom::{Dir, Point, Ray};
-use microlux::shape::{Grid, TriangleMesh, Triangles};
+use microlux::shape::{Attributes, Grid, TriangleMesh, Triangles};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
@@ -24,6 +24,7 @@ impl Model {
             grid,
             vertices: &vertices,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         };
         let depth = check_mesh(&mesh.into(), &nodes).unwrap();
         let each = used as f64 / triangles.len() as f64;
@@ -64,6 +65,7 @@ impl Model {
             grid: self.grid,
             vertices: &self.vertices,
             triangles: &self.triangles,
+            attributes: Attributes::NONE,
         }
     }
 

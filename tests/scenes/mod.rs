@@ -10,8 +10,8 @@ use microlux::material::{
 use microlux::num::{Metres, Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
 use microlux::shape::{
-    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle, RoundedBox,
-    SmoothUnion, Sphere, Torus, TriangleMesh,
+    Attributes, Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle,
+    RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
 };
 
 /// SplitMix64.
@@ -79,6 +79,7 @@ impl Model {
                 grid: self.grid,
                 vertices: &self.vertices,
                 triangles: &self.triangles,
+                attributes: Attributes::NONE,
             }
             .into(),
             nodes: &self.nodes,

@@ -6,7 +6,7 @@ mod knot;
 mod obj;
 
 use microlux::geom::{Point, Unit};
-use microlux::shape::{Grid, TriangleMesh};
+use microlux::shape::{Attributes, Grid, TriangleMesh};
 use microlux_bake::{Packed, blob};
 
 pub use knot::knot;
@@ -66,6 +66,7 @@ impl Baked {
             grid: grid(),
             vertices: &vertices,
             triangles: &triangles,
+            attributes: Attributes::NONE,
         };
         let packed = Packed::new(&mesh, &nodes).map_err(|error| error.to_string())?;
         Ok(Baked {

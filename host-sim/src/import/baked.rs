@@ -1,12 +1,11 @@
 //! `.mlx`: what `host-sim bake` wrote, for a look at it.
 
-use std::collections::HashMap;
 use std::path::Path;
 
 use super::showcase::Model;
 use super::{ImportError, Loaded, stem};
 use crate::bake::Aligned;
-use crate::desc::{BsdfDesc, GeometryDesc, MeshDesc, NamedMaterial, ShapeDesc};
+use crate::desc::{BsdfDesc, GeometryDesc, NamedMaterial, ShapeDesc};
 use crate::flash;
 
 pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
@@ -24,24 +23,9 @@ pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
         ..Model::default()
     };
     for (index, (mesh, scale)) in meshes.iter().enumerate() {
-        let mut places = HashMap::new();
-        let mut vertices = Vec::new();
-        let mut triangles = Vec::new();
-        for triangle in flash::corners(&mesh.triangles, *scale) {
-            triangles.push(triangle.map(|corner| {
-                *places.entry(corner.map(f64::to_bits)).or_insert_with(|| {
-                    vertices.push(corner);
-                    vertices.len() as u32 - 1
-                })
-            }));
-        }
         model.shapes.push(ShapeDesc {
             name: format!("{} {index}", stem(path)),
-            geometry: GeometryDesc::Mesh(MeshDesc {
-                vertices,
-                triangles,
-                normals: Vec::new(),
-            }),
+            geometry: GeometryDesc::Mesh(flash::described(&mesh.triangles, *scale)),
             material: 0,
             emission: None,
         });

@@ -3,7 +3,7 @@
 use super::weight::Partial;
 use crate::color::Radiance;
 use crate::geom::{Dir, Ray};
-use crate::material::{BsdfSample, Local};
+use crate::material::BsdfSample;
 use crate::num::{Uniform, Wide};
 use crate::scene::Vertex;
 
@@ -23,29 +23,27 @@ impl PathVertex<'_> {
     /// there; and the density of that direction.
     #[inline]
     pub fn eval(&self, dir: Dir) -> Option<(Radiance, Wide)> {
-        self.vertex.material.eval(&self.vertex.local(), dir)
+        self.vertex.eval(dir)
     }
 
     /// The same of light that comes from `vertex.wo`'s end.
     #[inline]
     pub fn eval_light(&self, dir: Dir) -> Option<(Radiance, Wide)> {
-        let (value, pdf) = self.eval(dir)?;
-        let (material, local) = (self.vertex.material, self.vertex.local());
-        if material.is_reciprocal() {
-            return Some((scaled(value, material.eta_squared(&local, dir)), pdf));
+        let vertex = &self.vertex;
+        if vertex.is_reciprocal() {
+            let (value, pdf) = vertex.eval(dir)?;
+            return Some((scaled(value, vertex.eta_squared(dir)), pdf));
         }
-        // The other way round, which has the cosine at the light's end.
-        let turned = Local { wo: dir, ..local };
-        let (value, _) = material.eval(&turned, local.wo)?;
-        Some((value.scale(self.cos(dir) / self.cos(local.wo)), pdf))
+        // The other way round, which has the shading normal's cosine at the light's end (Veach 1997, section 5.3).
+        let (value, _) = vertex.eval_towards(dir, vertex.wo)?;
+        let pdf = vertex.pdf(vertex.wo, dir);
+        Some((value.scale(self.cos(dir) / self.cos(vertex.wo)), pdf))
     }
 
     /// The density of the way back to the vertex before, when one comes from `dir`.
     #[inline]
     pub fn reverse_pdf(&self, dir: Dir) -> Wide {
-        let local = self.vertex.local();
-        let turned = Local { wo: dir, ..local };
-        self.vertex.material.pdf(&turned, local.wo)
+        self.vertex.pdf(dir, self.vertex.wo)
     }
 
     /// Cosine between a direction and the normal, on whichever side.
@@ -82,8 +80,7 @@ pub struct Onward {
 /// Draws a direction from the BSDF at a vertex that was arrived at; `None` where the subpath ends.
 #[inline]
 pub fn scatter(at: &PathVertex, direction: [Uniform; 2], lobe: Uniform) -> Option<Onward> {
-    let local = at.vertex.local();
-    let sample = at.vertex.material.sample(&local, direction, lobe)?;
+    let sample = at.vertex.sample(direction, lobe)?;
     let cos = at.cos(sample.wi);
     let partial = if sample.is_specular() {
         at.partial.scatter_delta(cos)
@@ -100,7 +97,10 @@ pub fn scatter(at: &PathVertex, direction: [Uniform; 2], lobe: Uniform) -> Optio
 /// The weight of a BSDF sample for light instead of radiance: without the squeeze into the denser medium.
 #[inline]
 pub fn light_weight(at: &PathVertex, sample: &BsdfSample) -> Radiance {
-    if at.vertex.material.is_reciprocal() || sample.is_specular() {
+    if sample.is_specular() {
+        return scaled(sample.weight, at.vertex.specular_light_gain(sample));
+    }
+    if at.vertex.is_reciprocal() {
         return scaled(sample.weight, sample.eta_squared);
     }
     match at.eval_light(sample.wi) {

@@ -1,6 +1,6 @@
 use crate::bvh::{Node, build_mesh};
 use crate::scene::{Mesh, SceneError};
-use crate::shape::{Grid, TriangleMesh, Triangles};
+use crate::shape::{Attributes, Grid, TriangleMesh, Triangles};
 
 /// A mesh by value: `V` vertices, `T` triangles and room for `N` nodes ([`crate::bvh::max_nodes`]), with the tree built.
 #[derive(Clone, Debug)]
@@ -38,6 +38,7 @@ impl<const V: usize, const T: usize, const N: usize> OwnedMesh<V, T, N> {
                 grid: self.grid,
                 vertices: &self.vertices,
                 triangles: &self.triangles,
+                attributes: Attributes::NONE,
             }),
             nodes: self.nodes.get(..self.used).unwrap_or(&[]),
         }

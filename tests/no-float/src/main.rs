@@ -21,7 +21,7 @@ use microlux::q;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Independent, Sobol, Stratified};
 use microlux::scene::{Mesh, SceneBuilder};
-use microlux::shape::{Geometry, Grid, Sphere, TriangleMesh};
+use microlux::shape::{Attributes, Geometry, Grid, Sphere, TriangleMesh};
 
 /// A picture through the public API, from a seed that the compiler cannot foresee. What is not called is not checked.
 fn render(seed: u32) -> Option<()> {
@@ -67,6 +67,7 @@ fn render(seed: u32) -> Option<()> {
         grid: Grid::new(origin, 0)?,
         vertices: &vertices,
         triangles: &triangles,
+        attributes: Attributes::NONE,
     };
     let meshes = [Mesh {
         triangles: triangles.into(),

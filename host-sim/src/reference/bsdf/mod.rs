@@ -24,7 +24,8 @@ pub struct Surface {
     pub wo: Vec3,
     /// Geometric normal, turned to the eye's side.
     pub normal: Vec3,
-    /// Shading normal, turned with the geometric one; where the surface bends away it may still point away from the eye.
+    /// Shading normal, turned with the geometric one; where it points away from the eye, at the outline of a smooth mesh, the
+    /// geometric one itself.
     pub shading: Vec3,
     /// The eye is on the side of the shape's own normal.
     pub front: bool,
@@ -45,11 +46,12 @@ pub struct Bounce {
 impl Surface {
     pub fn new(ray: &Ray, hit: &Hit) -> Surface {
         let side = if hit.front { 1.0 } else { -1.0 };
+        let (wo, normal, shading) = (-ray.direction, hit.normal * side, hit.shading * side);
         Surface {
             point: hit.point,
-            wo: -ray.direction,
-            normal: hit.normal * side,
-            shading: hit.shading * side,
+            wo,
+            normal,
+            shading: if shading.dot(wo) > 0.0 { shading } else { normal },
             front: hit.front,
         }
     }
@@ -236,7 +238,7 @@ impl Material {
                 specular_reflectance,
                 specular_transmittance,
             } => Some(Glass {
-                normal: front_normal(surface),
+                normal: surface.shading,
                 alpha,
                 eta: if surface.front { eta } else { 1.0 / eta },
                 reflectance: specular_reflectance,
@@ -247,18 +249,9 @@ impl Material {
     }
 }
 
-/// Seen from a side that reflects, and not where the shading normal has turned away from the eye.
+/// Seen from a side that reflects.
 fn reflects(surface: &Surface, two_sided: bool) -> bool {
     (surface.front || two_sided) && surface.shading.dot(surface.wo) > 0.0
-}
-
-/// Glass has no dark side to show where the shading normal turns away from the eye: the true one then.
-fn front_normal(surface: &Surface) -> Vec3 {
-    if surface.shading.dot(surface.wo) > 0.0 {
-        surface.shading
-    } else {
-        surface.normal
-    }
 }
 
 fn reflected(wo: Vec3, normal: Vec3) -> Vec3 {
@@ -293,7 +286,7 @@ fn dielectric(
     lobe: f64,
 ) -> Option<Bounce> {
     let wo = surface.wo;
-    let normal = front_normal(surface);
+    let normal = surface.shading;
     let cos_o = normal.dot(wo).min(1.0);
     let (fresnel, cos_t) = fresnel::dielectric(cos_o, eta);
     if lobe < fresnel {
