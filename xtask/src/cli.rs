@@ -4,7 +4,8 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    accuracy, bench_bdpt, bench_host, ci, device, golden, layers, no_float, raystones, sampling, setup, shell,
+    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, layers, no_float, raystones, sampling, setup,
+    shell,
 };
 
 /// The chores of microlux.
@@ -55,6 +56,11 @@ enum Chore {
     Sampling(sampling::Options),
     /// Compare the golden pictures with the record
     Golden(golden::Options),
+    /// Feed the core and the importers with what nobody would write, to see that nothing panics
+    ///
+    /// Each target of fuzz/ for a while, from the corpus that is kept there. What finds something is written to
+    /// fuzz/artifacts.
+    Fuzz(fuzz::Options),
     /// Measure the picture's errors and write docs/accuracy.md
     ///
     /// Compares fixed point with the f64 reference on every built-in scene, and on scene files with Mitsuba's pictures
@@ -77,6 +83,7 @@ impl Xtask {
             Chore::BenchBdpt(options) => bench_bdpt::run(&options),
             Chore::Sampling(options) => sampling::run(&options),
             Chore::Golden(options) => golden::run(&options),
+            Chore::Fuzz(options) => fuzz::run(&options),
             Chore::Accuracy(options) => accuracy::run(&options),
         }
     }

@@ -11,6 +11,7 @@ pub mod board;
 pub mod ci;
 pub mod cli;
 pub mod device;
+pub mod fuzz;
 pub mod golden;
 pub mod layers;
 pub mod no_float;

@@ -5,7 +5,7 @@ use anyhow::{Context, Result, ensure};
 use super::summary;
 use crate::setup::Part;
 use crate::toolchain::Embedded;
-use crate::{device, layers, no_float, shell};
+use crate::{device, fuzz, layers, no_float, shell};
 
 /// One check.
 pub struct Step {
@@ -18,7 +18,7 @@ pub struct Step {
 }
 
 /// All of them, in their order.
-pub const STEPS: [Step; 8] = [
+pub const STEPS: [Step; 9] = [
     Step {
         name: "fmt",
         about: "the text is as rustfmt leaves it",
@@ -60,6 +60,12 @@ pub const STEPS: [Step; 8] = [
         about: "the documentation builds, every link leads somewhere",
         needs: &[Part::Host],
         run: doc,
+    },
+    Step {
+        name: "fuzz",
+        about: "a quarter of a minute for each target of fuzz/, from the corpus that is kept",
+        needs: &[Part::Host, Part::Fuzz],
+        run: fuzz::check,
     },
     Step {
         name: "firmware",

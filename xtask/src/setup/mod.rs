@@ -32,6 +32,8 @@ enum What {
     Qemu,
     /// The RP2040 emulator's packages
     Node,
+    /// cargo-fuzz
+    Fuzz,
     /// Mitsuba 3 and FLIP in a Python environment of their own
     Oracle,
     /// Every part
@@ -45,10 +47,18 @@ pub enum Part {
     Targets,
     Qemu,
     Node,
+    Fuzz,
     Oracle,
 }
 
-const PARTS: [Part; 5] = [Part::Host, Part::Targets, Part::Qemu, Part::Node, Part::Oracle];
+const PARTS: [Part; 6] = [
+    Part::Host,
+    Part::Targets,
+    Part::Qemu,
+    Part::Node,
+    Part::Fuzz,
+    Part::Oracle,
+];
 
 /// Installs the parts that were asked for, each once.
 pub fn run(options: &Options) -> Result<()> {
@@ -59,6 +69,7 @@ pub fn run(options: &Options) -> Result<()> {
             Part::Targets => targets()?,
             Part::Qemu => apt::install(&["qemu-system-arm", "qemu-system-misc"])?,
             Part::Node => node()?,
+            Part::Fuzz => fuzz()?,
             Part::Oracle => oracle::install()?,
         }
     }
@@ -74,6 +85,7 @@ fn wanted(what: &[What]) -> Vec<Part> {
             What::Targets => *part == Part::Targets,
             What::Qemu => *part == Part::Qemu,
             What::Node => *part == Part::Node,
+            What::Fuzz => *part == Part::Fuzz,
             What::Oracle => *part == Part::Oracle,
         })
     };
@@ -151,6 +163,14 @@ fn node() -> Result<()> {
         )?;
     }
     Ok(())
+}
+
+fn fuzz() -> Result<()> {
+    if shell::ask(Command::new("cargo").args(["fuzz", "--version"])).is_some() {
+        println!("cargo-fuzz: there");
+        return Ok(());
+    }
+    shell::run(shell::cargo("install").args(["cargo-fuzz", "--locked", "--version", "^0.13"]))
 }
 
 #[cfg(test)]

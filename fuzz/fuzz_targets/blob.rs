@@ -1,0 +1,44 @@
+//! Baked meshes from anywhere: refused by name, or hit exactly as their list of triangles is.
+
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use microlux::bvh::{check_mesh, closest, closest_linear, occluded, occluded_linear};
+use microlux::scene::Baked;
+use microlux::shape::Slopes;
+use microlux_fuzz::{Aligned, Rays, summed};
+
+/// Rays against what was accepted.
+const RAYS: usize = 8;
+
+fuzz_target!(|data: &[u8]| {
+    // The first byte says whether the checksum shall fit, which no mutation would get right.
+    let Some((&choice, bytes)) = data.split_first() else {
+        return;
+    };
+    let bytes = if choice & 7 != 0 { summed(bytes) } else { bytes.to_vec() };
+    let aligned = Aligned::new(&bytes);
+    let baked = match Baked::open(aligned.bytes()) {
+        Ok(baked) => baked,
+        Err(error) => return assert!(!error.to_string().is_empty()),
+    };
+    for mesh in 0..baked.count() {
+        let mesh = baked.mesh(mesh).expect("an entry that `open` accepted");
+        if let Err(error) = check_mesh(&mesh.triangles, mesh.nodes) {
+            assert!(!error.to_string().is_empty());
+            continue;
+        }
+        for ray in Rays::new(mesh.triangles.grid(), &bytes).take(RAYS) {
+            let slopes = Slopes::new(ray.dir);
+            let far = i32::MAX;
+            assert_eq!(
+                closest(&mesh.triangles, mesh.nodes, &ray, &slopes, far),
+                closest_linear(&mesh.triangles, &ray, &slopes, far)
+            );
+            assert_eq!(
+                occluded(&mesh.triangles, mesh.nodes, &ray, &slopes, far),
+                occluded_linear(&mesh.triangles, &ray, &slopes, far)
+            );
+        }
+    }
+});
