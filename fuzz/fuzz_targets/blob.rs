@@ -16,7 +16,11 @@ fuzz_target!(|data: &[u8]| {
     let Some((&choice, bytes)) = data.split_first() else {
         return;
     };
-    let bytes = if choice & 7 != 0 { summed(bytes) } else { bytes.to_vec() };
+    let bytes = if choice & 7 != 0 {
+        summed(bytes)
+    } else {
+        bytes.to_vec()
+    };
     let aligned = Aligned::new(&bytes);
     let baked = match Baked::open(aligned.bytes()) {
         Ok(baked) => baked,
@@ -31,10 +35,15 @@ fuzz_target!(|data: &[u8]| {
         for ray in Rays::new(mesh.triangles.grid(), &bytes).take(RAYS) {
             let slopes = Slopes::new(ray.dir);
             let far = i32::MAX;
-            assert_eq!(
-                closest(&mesh.triangles, mesh.nodes, &ray, &slopes, far),
-                closest_linear(&mesh.triangles, &ray, &slopes, far)
-            );
+            let hit = closest(&mesh.triangles, mesh.nodes, &ray, &slopes, far);
+            assert_eq!(hit, closest_linear(&mesh.triangles, &ray, &slopes, far));
+            if let Some(hit) = hit {
+                // Past the border all that is said of a triangle is there.
+                assert_eq!(
+                    mesh.triangles.normals(hit.triangle).is_some(),
+                    mesh.triangles.is_smooth()
+                );
+            }
             assert_eq!(
                 occluded(&mesh.triangles, mesh.nodes, &ray, &slopes, far),
                 occluded_linear(&mesh.triangles, &ray, &slopes, far)

@@ -6,8 +6,8 @@
 use arbitrary::Arbitrary;
 use libfuzzer_sys::fuzz_target;
 use microlux::bvh::{Node, build_mesh, check_mesh, closest, closest_linear, max_nodes};
-use microlux::geom::Point;
-use microlux::shape::{Grid, Slopes, TriangleMesh, Triangles};
+use microlux::geom::{Octahedral, Point};
+use microlux::shape::{Attributes, Grid, Slopes, TriangleMesh, Triangles};
 use microlux_fuzz::Rays;
 use zerocopy::FromBytes;
 
@@ -19,6 +19,7 @@ struct Input {
     shift: u8,
     vertices: Vec<[u16; 3]>,
     triangles: Vec<[u8; 3]>,
+    normals: Vec<[i8; 2]>,
     /// A tree of these bytes, 40 a node; or one that the core builds.
     nodes: Option<Vec<[u8; 40]>>,
 }
@@ -52,10 +53,15 @@ fuzz_target!(|input: Input| {
             nodes
         }
     };
+    let normals: Vec<Octahedral> = match built {
+        true => Vec::new(),
+        false => input.normals.into_iter().map(Octahedral).collect(),
+    };
     let mesh = Triangles::Plain(TriangleMesh {
         grid,
         vertices: &vertices,
         triangles: &triangles,
+        attributes: Attributes { normals: &normals },
     });
     if let Err(error) = check_mesh(&mesh, &nodes) {
         assert!(!built, "the core's own tree is refused: {error}");
@@ -64,9 +70,8 @@ fuzz_target!(|input: Input| {
     let seed: Vec<u8> = vertices.iter().flatten().flat_map(|c| c.to_le_bytes()).collect();
     for ray in Rays::new(&grid, &seed).take(RAYS) {
         let slopes = Slopes::new(ray.dir);
-        assert_eq!(
-            closest(&mesh, &nodes, &ray, &slopes, i32::MAX),
-            closest_linear(&mesh, &ray, &slopes, i32::MAX)
-        );
+        let hit = closest(&mesh, &nodes, &ray, &slopes, i32::MAX);
+        assert_eq!(hit, closest_linear(&mesh, &ray, &slopes, i32::MAX));
+        let _ = hit.and_then(|hit| mesh.shading_normal(&hit));
     }
 });

@@ -17,7 +17,12 @@ struct Input {
 
 fuzz_target!(|input: Input| {
     let cut = u32::from(input.cut % 32);
-    let points: Vec<[i32; 2]> = input.points.iter().take(48).map(|p| p.map(|c| c >> cut)).collect();
+    let points: Vec<[i32; 2]> = input
+        .points
+        .iter()
+        .take(48)
+        .map(|p| p.map(|c| c >> cut))
+        .collect();
     let ends = match input.ends.is_empty() {
         true => vec![points.len() as u16],
         false => input.ends,
@@ -25,7 +30,11 @@ fuzz_target!(|input: Input| {
     let polygon = Polygon {
         points: &points,
         ends: &ends,
-        fill: if input.non_zero { Fill::NonZero } else { Fill::EvenOdd },
+        fill: if input.non_zero {
+            Fill::NonZero
+        } else {
+            Fill::EvenOdd
+        },
     };
     let at = |corner: Corner| match corner {
         Corner::Vertex(index) => points[usize::from(index)],
@@ -42,7 +51,11 @@ fuzz_target!(|input: Input| {
         // Corners that are rounded may lie on the other side of a sliver, by half a step times its length.
         let rounded = corners.iter().any(|corner| matches!(corner, Corner::Crossing(_)));
         let length = [(bx - ax), (by - ay), (cx - ax), (cy - ay)].map(i64::abs);
-        let slack = if rounded { 2 + length.iter().sum::<i64>() } else { 0 };
+        let slack = if rounded {
+            2 + length.iter().sum::<i64>()
+        } else {
+            0
+        };
         assert!(double_area >= -slack, "{a:?} {b:?} {c:?}");
     });
     if let Err(error) = result {

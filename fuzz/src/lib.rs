@@ -53,7 +53,8 @@ impl Iterator for Rays {
 
     fn next(&mut self) -> Option<Ray> {
         // Within half a side around the cube.
-        let mut point = || [0, 1, 2].map(|i| self.origin[i] - self.side / 2 + self.number() * self.side / (1 << 23));
+        let mut point =
+            || [0, 1, 2].map(|i| self.origin[i] - self.side / 2 + self.number() * self.side / (1 << 23));
         let (from, to) = (point(), point());
         let dir = Dir::new([0, 1, 2].map(|i| (to[i] - from[i]) as i32)).unwrap_or(Dir::Z);
         Some(Ray {

@@ -77,8 +77,8 @@ pub const STEPS: [Step; 9] = [
 
 fn fmt() -> Result<String> {
     component("fmt", "rustfmt")?;
-    // The program that `no-float` links is a workspace of its own.
-    for workspace in ["Cargo.toml", "tests/no-float/Cargo.toml"] {
+    // Workspaces of their own: the program that `no-float` links, and the fuzz targets.
+    for workspace in ["Cargo.toml", "tests/no-float/Cargo.toml", "fuzz/Cargo.toml"] {
         let mut fmt = shell::cargo("fmt");
         fmt.args([
             "--all",
