@@ -5,7 +5,7 @@ mod scenes;
 use microlux::bvh;
 use microlux::geom::{FAR, Point, REACH, Ray};
 use microlux::scene::{Hit, Scene};
-use microlux::shape::{Geometry, Slopes};
+use microlux::shape::{Geometry, LocalRay, Slopes};
 use scenes::{Draft, Random};
 
 /// From anywhere in reach or around it, from where a shape was met or its middle; anywhere, or towards a shape.
@@ -19,6 +19,13 @@ fn ray(random: &mut Random, scene: &Scene, met: Option<(Ray, Hit)>) -> Ray {
         Geometry::Mesh(mesh) => {
             let mesh = scene.parts().meshes[mesh as usize].triangles.plain().unwrap();
             mesh.grid.to_scene(random.pick(mesh.vertices))
+        }
+        Geometry::Instance(instance) => {
+            let mesh = scene.parts().meshes[instance.mesh as usize]
+                .triangles
+                .plain()
+                .unwrap();
+            instance.place(mesh.grid.to_scene(random.pick(mesh.vertices)))
         }
         Geometry::Implicit(solid) => {
             let (low, high) = solid.bounds(scene.parts().blobs);
@@ -58,6 +65,12 @@ fn distance_but(scene: &Scene, ray: &Ray, but: u16) -> i32 {
             Geometry::Mesh(mesh) => {
                 let triangles = &parts.meshes[mesh as usize].triangles;
                 bvh::closest_linear(triangles, ray, &slopes, FAR + 1).map(|hit| hit.t)
+            }
+            Geometry::Instance(instance) => {
+                let triangles = &parts.meshes[instance.mesh as usize].triangles;
+                let LocalRay { ray, slopes } = instance.enter(ray)?;
+                let hit = bvh::closest_linear(triangles, &ray, &slopes, instance.limit(FAR + 1))?;
+                Some(instance.distance(hit.t))
             }
             Geometry::Implicit(solid) => solid.intersect(parts.blobs, ray, FAR + 1),
             closed => closed.intersect(ray, FAR + 1),

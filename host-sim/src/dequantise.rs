@@ -105,7 +105,7 @@ fn geometry(
     meshes: &[microlux::scene::Mesh],
     blobs: &[microlux::shape::Blob],
 ) -> Geometry {
-    use microlux::shape::{Geometry as Core, Triangles};
+    use microlux::shape::Geometry as Core;
     match *geometry {
         Core::Sphere(s) => Geometry::Sphere {
             center: frame.point(s.center),
@@ -134,25 +134,58 @@ fn geometry(
         Core::Implicit(ref solid) => Geometry::Implicit(Arc::new(implicit::implicit(frame, solid, blobs))),
         Core::Mesh(index) => {
             let mesh = &meshes[index as usize].triangles;
-            let vertex = |v: &[u16; 3]| frame.point(mesh.grid().to_scene(*v));
-            let (vertices, triangles, normals) = match mesh {
-                Triangles::Plain(mesh) => (
-                    mesh.vertices.iter().map(vertex).collect(),
-                    mesh.triangles.iter().map(|t| t.map(u32::from)).collect(),
-                    mesh.attributes.normals.iter().map(octahedral).collect(),
-                ),
-                Triangles::Packed(_) => {
-                    let corners: Vec<_> = mesh.numbers().filter_map(|number| mesh.corners(number)).collect();
-                    let normals = mesh.numbers().filter_map(|number| mesh.normals(number));
-                    let threes = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
-                    (
-                        corners.iter().flatten().map(vertex).collect(),
-                        threes.collect(),
-                        normals.flatten().map(|normal| octahedral(&normal)).collect(),
-                    )
-                }
+            let point = |v: [u16; 3]| frame.point(mesh.grid().to_scene(v));
+            Geometry::Mesh(Arc::new(mesh_of(mesh, point, |normal| normal)))
+        }
+        Core::Instance(ref instance) => {
+            let mesh = &meshes[instance.mesh as usize].triangles;
+            let rows = instance
+                .rotation
+                .rows()
+                .map(|row| row.map(|c| f64::from(c) / f64::from(1 << 30)));
+            let turn = |v: Vec3| {
+                let [x, y, z] = rows.map(|row| row[0] * v.x + row[1] * v.y + row[2] * v.z);
+                vec3(x, y, z)
             };
-            Geometry::Mesh(Arc::new(Mesh::new(vertices, triangles, normals)))
+            let scale = f64::from(instance.scale()) / 65536.0 * frame.step;
+            let at = frame.point(instance.at);
+            let point = |v: [u16; 3]| {
+                let [x, y, z] = mesh.grid().to_scene(v).0.map(f64::from);
+                let turned = turn(vec3(x, y, z));
+                vec3(
+                    at.x + scale * turned.x,
+                    at.y + scale * turned.y,
+                    at.z + scale * turned.z,
+                )
+            };
+            Geometry::Mesh(Arc::new(mesh_of(mesh, point, turn)))
+        }
+    }
+}
+
+/// A mesh whose vertices lie where `point` says, its normals turned.
+fn mesh_of(
+    mesh: &microlux::shape::Triangles,
+    point: impl Fn([u16; 3]) -> Vec3,
+    turn: impl Fn(Vec3) -> Vec3,
+) -> Mesh {
+    use microlux::shape::Triangles;
+    let normal = |normal: &Octahedral| turn(octahedral(normal));
+    match mesh {
+        Triangles::Plain(mesh) => Mesh::new(
+            mesh.vertices.iter().map(|&v| point(v)).collect(),
+            mesh.triangles.iter().map(|t| t.map(u32::from)).collect(),
+            mesh.attributes.normals.iter().map(normal).collect(),
+        ),
+        Triangles::Packed(_) => {
+            let corners: Vec<_> = mesh.numbers().filter_map(|number| mesh.corners(number)).collect();
+            let normals = mesh.numbers().filter_map(|number| mesh.normals(number));
+            let threes = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+            Mesh::new(
+                corners.iter().flatten().map(|&v| point(v)).collect(),
+                threes.collect(),
+                normals.flatten().map(|n| normal(&n)).collect(),
+            )
         }
     }
 }

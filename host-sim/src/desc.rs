@@ -5,6 +5,8 @@
 
 mod implicit;
 
+use std::sync::Arc;
+
 pub use implicit::{BallDesc, BoundDesc, CapsuleDesc, ImplicitDesc, PartDesc};
 
 /// Three numbers: a point (metres), a direction, or a colour.
@@ -185,6 +187,7 @@ pub enum GeometryDesc {
         v: Vec3,
     },
     Mesh(MeshDesc),
+    Instance(InstanceDesc),
     Implicit(ImplicitDesc),
 }
 
@@ -195,6 +198,37 @@ pub struct MeshDesc {
     pub triangles: Vec<[u32; 3]>,
     /// One unit normal a vertex for smooth shading; empty for flat faces.
     pub normals: Vec<Vec3>,
+}
+
+/// A mesh at a place of its own, p = `at` + `scale` Σ `axes`[i] q[i]; those of one `mesh` share it.
+#[derive(Clone, Debug)]
+pub struct InstanceDesc {
+    pub mesh: Arc<MeshDesc>,
+    pub at: Vec3,
+    /// Above 0.
+    pub scale: f64,
+    /// Where the mesh's axes point: orthonormal and right-handed.
+    pub axes: [Vec3; 3],
+}
+
+impl InstanceDesc {
+    pub fn direction(&self, v: Vec3) -> Vec3 {
+        [0, 1, 2].map(|i| (0..3).map(|axis| self.axes[axis][i] * v[axis]).sum())
+    }
+
+    pub fn point(&self, q: Vec3) -> Vec3 {
+        let turned = self.direction(q);
+        [0, 1, 2].map(|i| self.at[i] + self.scale * turned[i])
+    }
+
+    /// A mesh of its own, in place.
+    pub fn placed(&self) -> MeshDesc {
+        MeshDesc {
+            vertices: self.mesh.vertices.iter().map(|&v| self.point(v)).collect(),
+            triangles: self.mesh.triangles.clone(),
+            normals: self.mesh.normals.iter().map(|&n| self.direction(n)).collect(),
+        }
+    }
 }
 
 #[derive(Clone, Debug)]

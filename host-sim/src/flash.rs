@@ -8,7 +8,7 @@ use microlux::scene::{Baked, Mesh};
 use microlux::shape::{Bounds, TriangleMesh, Triangles};
 
 use crate::bake::{self, Aligned, Packed};
-use crate::desc::{GeometryDesc, MeshDesc, SceneDesc, Vec3};
+use crate::desc::{MeshDesc, SceneDesc};
 use crate::quantise::CoreScene;
 use crate::run::Error;
 
@@ -48,23 +48,14 @@ impl Part {
 /// Bakes all meshes of a scene, in the order in which it names them.
 pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
     let core = CoreScene::new(desc)?;
-    let named = desc.shapes.iter().filter_map(|shape| match &shape.geometry {
-        GeometryDesc::Mesh(mesh) => Some((&shape.name, &mesh.vertices)),
-        _ => None,
-    });
     let (mut packed, mut parts) = (Vec::new(), Vec::new());
-    let scale = f64::from(-core.unit.fraction_bits()).exp2();
-    for (mesh, (name, before)) in core.meshes().iter().zip(named) {
+    for owned in core.owned_meshes() {
+        let (name, mesh) = (&owned.name, owned.borrow());
         let Some(plain) = mesh.triangles.plain() else {
             continue;
         };
         let made =
             Packed::new(plain, mesh.nodes).map_err(|error| Error::Scene(format!("{name}: {error}")))?;
-        let after = plain.vertices.iter().map(|&vertex| {
-            let point = plain.grid.to_scene(vertex).0;
-            [0, 1, 2].map(|i| core.origin[i] + f64::from(point[i]) * scale)
-        });
-        let (displacement, extent) = moved(before, after);
         parts.push(Part {
             name: name.clone(),
             triangles: plain.triangles.len(),
@@ -72,8 +63,8 @@ pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
             treelets: size_of_val(&*made.treelets),
             vertices: made.vertices.len(),
             leaves: made.leaves.len(),
-            displacement,
-            extent,
+            displacement: owned.displacement,
+            extent: owned.extent,
             sah: sah(plain, mesh.nodes),
         });
         packed.push(made);
@@ -84,21 +75,6 @@ pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
     }
     let bytes = bake::blob(&packed, core.unit).map_err(|error| Error::Scene(error.to_string()))?;
     Ok(Flash { bytes, meshes: parts })
-}
-
-/// Largest and root mean square distance between two lists of points, and the longest side of the first.
-fn moved(before: &[Vec3], after: impl Iterator<Item = Vec3>) -> ([f64; 2], f64) {
-    let (mut worst, mut sum) = (0f64, 0.0);
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for (a, b) in before.iter().zip(after) {
-        let square: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
-        (worst, sum) = (worst.max(square), sum + square);
-        low = [0, 1, 2].map(|i| low[i].min(a[i]));
-        high = [0, 1, 2].map(|i| high[i].max(a[i]));
-    }
-    let extent = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-    let mean = sum / before.len().max(1) as f64;
-    ([worst.sqrt(), mean.sqrt()], extent)
 }
 
 /// MacDonald and Booth 1990, with the costs of [`bake::build`]'s nodes and of triangles taken as equal.

@@ -4,6 +4,7 @@ use crate::bake;
 use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
 use crate::envmap::{self, BakedMap};
 use fixed::types::I12F20;
+use instance::Shared;
 use microlux::bvh::{Node, max_nodes};
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
@@ -18,6 +19,7 @@ use microlux::shape::{
 use thiserror::Error;
 
 mod implicit;
+mod instance;
 mod material;
 
 /// What the fixed-point core can't take.
@@ -77,7 +79,13 @@ enum Background {
 
 /// A mesh in its own grid, with the tree over it.
 #[derive(Debug)]
-struct OwnedMesh {
+pub struct OwnedMesh {
+    /// Of the first shape that is made of it.
+    pub name: String,
+    /// By how far rounding moved a vertex, metres: at most, and as root of the mean square.
+    pub displacement: [f64; 2],
+    /// Longest side, metres.
+    pub extent: f64,
     grid: Grid,
     vertices: Vec<[u16; 3]>,
     triangles: Vec<[u16; 3]>,
@@ -87,7 +95,7 @@ struct OwnedMesh {
 }
 
 impl OwnedMesh {
-    fn borrow(&self) -> Mesh<'_> {
+    pub fn borrow(&self) -> Mesh<'_> {
         let triangles = TriangleMesh {
             grid: self.grid,
             vertices: &self.vertices,
@@ -120,6 +128,7 @@ impl CoreScene {
         let mut lights = Vec::new();
         let mut meshes = Vec::new();
         let mut blobs = Vec::new();
+        let mut shared = Shared::new(&round, desc);
         for (index, shape) in desc.shapes.iter().enumerate() {
             let light = shape.emission.map(|emission| {
                 lights.push(Light::Area {
@@ -132,6 +141,15 @@ impl CoreScene {
                 GeometryDesc::Mesh(mesh) => {
                     meshes.push(round.mesh(&shape.name, mesh)?);
                     Geometry::Mesh((meshes.len() - 1) as u16)
+                }
+                GeometryDesc::Instance(instance) => {
+                    match shared.place(&round, &shape.name, instance, &mut meshes)? {
+                        Some(placed) if light.is_none() => Geometry::Instance(placed),
+                        _ => {
+                            meshes.push(round.mesh(&shape.name, &instance.placed())?);
+                            Geometry::Mesh((meshes.len() - 1) as u16)
+                        }
+                    }
                 }
                 GeometryDesc::Implicit(solid) => {
                     let solid = implicit::implicit(&round, solid, &mut blobs);
@@ -256,6 +274,11 @@ impl CoreScene {
         }
     }
 
+    /// The meshes, with what is known of them.
+    pub fn owned_meshes(&self) -> &[OwnedMesh] {
+        &self.meshes
+    }
+
     /// The meshes as the core borrows them.
     pub fn meshes(&self) -> Vec<Mesh<'_>> {
         self.meshes.iter().map(OwnedMesh::borrow).collect()
@@ -308,6 +331,12 @@ fn bounds(shape: &ShapeDesc) -> Vec<Vec3> {
             around(*center, [0, 1, 2].map(|i| u[i].abs() + v[i].abs()))
         }
         GeometryDesc::Mesh(mesh) => mesh.vertices.clone(),
+        GeometryDesc::Instance(instance) => instance
+            .mesh
+            .vertices
+            .iter()
+            .map(|&v| instance.point(v))
+            .collect(),
         GeometryDesc::Implicit(solid) => solid.bounds().to_vec(),
     }
 }
@@ -380,7 +409,9 @@ impl Rounding {
                     .ok_or_else(degenerate)?
                     .into()
             }
-            GeometryDesc::Mesh(_) | GeometryDesc::Implicit(_) => return Err(degenerate()),
+            GeometryDesc::Mesh(_) | GeometryDesc::Instance(_) | GeometryDesc::Implicit(_) => {
+                return Err(degenerate());
+            }
         })
     }
 
@@ -438,7 +469,15 @@ impl Rounding {
                 e.needed
             ))
         })?;
+        let after = vertices.iter().map(|&vertex| {
+            let point = grid.to_scene(vertex).0;
+            [0, 1, 2].map(|i| self.origin[i] + f64::from(point[i]) / self.scale)
+        });
+        let (displacement, extent) = moved(&mesh.vertices, after);
         Ok(OwnedMesh {
+            name: name.to_string(),
+            displacement,
+            extent,
             grid,
             vertices,
             triangles,
@@ -460,6 +499,21 @@ impl Rounding {
             None => pinhole,
         }
     }
+}
+
+/// Largest and root mean square distance between two lists of points, and the longest side of the first.
+fn moved(before: &[Vec3], after: impl Iterator<Item = Vec3>) -> ([f64; 2], f64) {
+    let (mut worst, mut sum) = (0f64, 0.0);
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (a, b) in before.iter().zip(after) {
+        let square: f64 = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum();
+        (worst, sum) = (worst.max(square), sum + square);
+        low = [0, 1, 2].map(|i| low[i].min(a[i]));
+        high = [0, 1, 2].map(|i| high[i].max(a[i]));
+    }
+    let extent = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+    let mean = sum / before.len().max(1) as f64;
+    ([worst.sqrt(), mean.sqrt()], extent)
 }
 
 /// Smooth normals in two bytes each; none for a mesh whose vertices all have their faces' own, to half a degree.

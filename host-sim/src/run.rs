@@ -441,6 +441,8 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         sampler(options),
         settings(options),
     );
+    let plain = meshes.iter().filter_map(|mesh| mesh.triangles.plain());
+    let bytes_normals = plain.map(|mesh| size_of_val(mesh.attributes.normals)).sum();
     Ok(Info {
         shapes: parts.shapes.len(),
         meshes: meshes.len(),
@@ -459,9 +461,10 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
             ("density", "u16 mantissa, i16 exponent".to_string()),
         ],
         bytes_geometry: size_of_val(parts.shapes)
-            + meshes.iter().map(|mesh| mesh.triangles.bytes()).sum::<usize>(),
+            + meshes.iter().map(|mesh| mesh.triangles.bytes()).sum::<usize>()
+            - bytes_normals,
         bytes_bvh: nodes * size_of::<Node>(),
-        bytes_normals: 0,
+        bytes_normals,
         bytes_rest: size_of_val(parts.materials)
             + size_of_val(parts.lights)
             + core.map_bytes()

@@ -6,12 +6,14 @@
 mod frame;
 mod octahedral;
 mod ray;
+mod rotation;
 mod unit;
 mod vec;
 
 pub use frame::Frame;
 pub use octahedral::Octahedral;
 pub use ray::Ray;
+pub use rotation::Rotation;
 pub use unit::{Unit, point};
 pub use vec::{Dir, Norm, Offset, Point, cross};
 

@@ -79,7 +79,11 @@ fn flat_place(emitter: Emitter, u: [Uniform; 2]) -> Option<FlatPlace> {
             (target, normal, LIFT, rectangle.area())
         }
         Emitter::Shape(
-            Geometry::Sphere(_) | Geometry::Plane(_) | Geometry::Mesh(_) | Geometry::Implicit(_),
+            Geometry::Sphere(_)
+            | Geometry::Plane(_)
+            | Geometry::Mesh(_)
+            | Geometry::Instance(_)
+            | Geometry::Implicit(_),
         ) => return None,
         Emitter::Triangle {
             corners: [a, b, c],
@@ -130,7 +134,9 @@ pub fn surface_area(emitter: Emitter) -> Wide {
         Emitter::Shape(Geometry::Sphere(sphere)) => sphere.radius_squared() * Wide::PI.shl(2),
         Emitter::Shape(Geometry::Disk(disk)) => disk.area(),
         Emitter::Shape(Geometry::Rectangle(rectangle)) => rectangle.area(),
-        Emitter::Shape(Geometry::Plane(_) | Geometry::Mesh(_) | Geometry::Implicit(_)) => Wide::ZERO,
+        Emitter::Shape(
+            Geometry::Plane(_) | Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Implicit(_),
+        ) => Wide::ZERO,
         Emitter::Triangle { area, chance, .. } => area / chance,
     }
 }
@@ -147,7 +153,9 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
         }
         Emitter::Shape(Geometry::Disk(disk)) => (disk.normal, disk.area()),
         Emitter::Shape(Geometry::Rectangle(rectangle)) => (rectangle.normal, rectangle.area()),
-        Emitter::Shape(Geometry::Plane(Plane { .. }) | Geometry::Mesh(_) | Geometry::Implicit(_)) => {
+        Emitter::Shape(
+            Geometry::Plane(Plane { .. }) | Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Implicit(_),
+        ) => {
             return Wide::ZERO;
         }
         Emitter::Triangle {

@@ -131,6 +131,10 @@ fn scene_grid(shapes: &[Shape], meshes: &[Mesh], blobs: &[Blob]) -> Grid {
 pub(super) fn coarsest(shapes: &[Shape], meshes: &[Mesh]) -> Option<(u32, u16)> {
     let placed = shapes.iter().filter_map(|shape| match shape.geometry {
         Geometry::Mesh(index) => Some((meshes.get(index as usize)?.triangles.grid().shift(), index)),
+        Geometry::Instance(instance) => {
+            let mesh = meshes.get(instance.mesh as usize)?;
+            Some((instance.step(mesh.triangles.grid()), instance.mesh))
+        }
         _ => None,
     });
     placed.max_by_key(|(shift, _)| *shift)
@@ -172,6 +176,7 @@ pub(super) fn reach(geometry: &Geometry, meshes: &[Mesh], blobs: &[Blob]) -> Opt
         Geometry::Disk(Disk { center, radius, .. }) => Some(around(center, [radius; 3])),
         Geometry::Rectangle(rectangle) => Some(around(rectangle.center, rectangle_reach(&rectangle))),
         Geometry::Implicit(solid) => Some(solid.bounds(blobs)),
+        Geometry::Instance(instance) => instance.reach(&meshes.get(instance.mesh as usize)?.triangles),
         Geometry::Mesh(index) => {
             let mesh = meshes.get(index as usize)?;
             let bounds = mesh.triangles.bounds();

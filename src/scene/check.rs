@@ -27,6 +27,8 @@ pub enum SceneError {
     Blobs { shape: u16 },
     /// An infinite plane can't be a light.
     PlaneLight { shape: u16 },
+    /// An instance can't be a light: place the mesh itself.
+    InstanceLight { shape: u16 },
     /// Something of the material is out of range.
     Material { material: u16, error: MaterialError },
     /// A light's shape does not exist, or does not name it as its light.
@@ -84,6 +86,12 @@ impl core::fmt::Display for SceneError {
                 )
             }
             Self::PlaneLight { shape } => write!(f, "shape {shape}: an infinite plane can't be a light"),
+            Self::InstanceLight { shape } => {
+                write!(
+                    f,
+                    "shape {shape}: an instance can't be a light; place the mesh itself"
+                )
+            }
             Self::Material { material, error } => write!(f, "material {material}: {error}"),
             Self::LightShape { light } => write!(f, "light {light}: its shape does not name it"),
             Self::LightTooFar { light } => write!(f, "light {light}: stands beyond 2^23 units"),
@@ -126,7 +134,8 @@ impl SceneError {
             | Self::Blobs { shape }
             | Self::NoSuchMesh { shape, .. }
             | Self::Order { shape }
-            | Self::PlaneLight { shape } => Some(shape),
+            | Self::PlaneLight { shape }
+            | Self::InstanceLight { shape } => Some(shape),
             _ => None,
         }
     }
@@ -146,19 +155,21 @@ impl<'a> Scene<'a> {
             if matches!(shape.geometry, Geometry::Plane(_)) != (index >= parts.bounded as usize) {
                 return Err(SceneError::Order { shape: shape.id });
             }
-            if let Geometry::Mesh(mesh) = shape.geometry
-                && mesh as usize >= parts.meshes.len()
-            {
-                return Err(SceneError::NoSuchMesh {
-                    shape: shape.id,
-                    mesh,
-                });
-            }
-            if let (Geometry::Mesh(_), Some((low, high))) =
-                (shape.geometry, reach(&shape.geometry, parts.meshes, parts.blobs))
-                && (is_far(low) || is_far(high))
-            {
-                return Err(SceneError::TooFar { shape: shape.id });
+            if let Some(mesh) = mesh_of(&shape.geometry) {
+                if mesh as usize >= parts.meshes.len() {
+                    return Err(SceneError::NoSuchMesh {
+                        shape: shape.id,
+                        mesh,
+                    });
+                }
+                // As it is placed, and in its own frame.
+                for geometry in [shape.geometry, Geometry::Mesh(mesh)] {
+                    if let Some((low, high)) = reach(&geometry, parts.meshes, parts.blobs)
+                        && (is_far(low) || is_far(high))
+                    {
+                        return Err(SceneError::TooFar { shape: shape.id });
+                    }
+                }
             }
             if shape.material as usize >= parts.materials.len() {
                 return Err(SceneError::NoSuchMaterial {
@@ -175,8 +186,10 @@ impl<'a> Scene<'a> {
                         light,
                     });
                 }
-                if matches!(shape.geometry, Geometry::Plane(_)) {
-                    return Err(SceneError::PlaneLight { shape: shape.id });
+                match shape.geometry {
+                    Geometry::Plane(_) => return Err(SceneError::PlaneLight { shape: shape.id }),
+                    Geometry::Instance(_) => return Err(SceneError::InstanceLight { shape: shape.id }),
+                    _ => {}
                 }
             }
         }
@@ -283,6 +296,14 @@ fn is_unit(d: Dir) -> bool {
     d.0.iter().all(|c| c.unsigned_abs() <= 2 << 16) && (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12
 }
 
+fn mesh_of(geometry: &Geometry) -> Option<u16> {
+    match geometry {
+        Geometry::Mesh(mesh) => Some(*mesh),
+        Geometry::Instance(instance) => Some(instance.mesh),
+        _ => None,
+    }
+}
+
 fn is_far(p: Point) -> bool {
     p.0.iter().any(|c| c.unsigned_abs() > REACH as u32)
 }
@@ -330,6 +351,15 @@ fn check_geometry(geometry: &Geometry, shape: u16, blobs: &[Blob]) -> Result<(),
         }
         // Asked with its vertices.
         Geometry::Mesh(_) => (true, true),
+        // Its mesh may lie far from its own frame's origin.
+        Geometry::Instance(instance) => (
+            instance
+                .at
+                .0
+                .iter()
+                .all(|c| c.unsigned_abs() <= (REACH as u32) << 5),
+            instance.rotation.is_valid(),
+        ),
     };
     if !extent {
         return Err(SceneError::Degenerate { shape });

@@ -22,7 +22,7 @@ use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
 use crate::material::{BsdfSample, Local, Material};
 use crate::num::{Uniform, Wide};
-use crate::shape::{Blob, Geometry, Grid, MeshHit, Surface, Triangles};
+use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 
 use distant::Ball;
 
@@ -287,6 +287,7 @@ impl<'a> Scene<'a> {
         let surface = shape
             .and_then(|shape| match shape.geometry {
                 Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit, &mut shading),
+                Geometry::Instance(ref instance) => self.instance_surface(instance, hit, &mut shading),
                 Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
@@ -408,6 +409,18 @@ impl<'a> Scene<'a> {
             lift: mesh.offset(),
             area: mesh.double_area(triangle).shl(-1),
             chance: Wide::new(count, 0).recip(),
+        })
+    }
+
+    #[inline(never)]
+    fn instance_surface(&self, instance: &Instance, hit: &Hit, shading: &mut Option<Dir>) -> Option<Surface> {
+        let mesh = &self.parts.meshes.get(instance.mesh as usize)?.triangles;
+        let local = self.mesh_surface(instance.mesh, hit, shading)?;
+        *shading = shading.map(|normal| instance.direction(normal));
+        Some(Surface {
+            point: instance.place(local.point),
+            normal: instance.direction(local.normal),
+            lift: instance.lift(mesh),
         })
     }
 

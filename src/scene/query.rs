@@ -1,10 +1,10 @@
 //! Rays against a scene: the tree over its finite shapes, then its infinite planes.
 
-use super::{Hit, Scene};
+use super::{Hit, Mesh, Scene};
 use crate::bvh::{self, Order, Visitor, traverse};
 use crate::geom::{FAR, Ray};
 use crate::light::{Environment, Light};
-use crate::shape::{Geometry, GridRay, Sight, Slopes};
+use crate::shape::{Geometry, GridRay, Instance, MeshHit, Sight, Slopes};
 use core::ops::ControlFlow;
 
 /// Closed forms that are tested in turn without a tree.
@@ -115,12 +115,9 @@ impl Scene<'_> {
             let t_max = nearest.map_or(FAR + 1, |hit| hit.t);
             let found = match self.parts.shapes.get(shape as usize).map(|shape| shape.geometry) {
                 Some(Geometry::Mesh(_)) => self.intersect(shape as usize, ray, &Slopes::new(ray.dir), t_max),
-                Some(form) => self.form(&form, ray, t_max).map(|t| Hit {
-                    t,
-                    shape,
-                    triangle: 0,
-                    barycentric: [0; 2],
-                }),
+                Some(form) => self
+                    .form(&form, ray, t_max)
+                    .map(|t| Hit::of_form(shape.into(), t)),
                 None => None,
             };
             nearest = found.or(nearest);
@@ -194,15 +191,10 @@ impl Scene<'_> {
         for (index, shape) in self.parts.shapes.iter().enumerate() {
             if let Some(t) = self.form_next::<K>(&shape.geometry, ray, sight, t_max) {
                 t_max = t;
-                nearest = Some(index as u16);
+                nearest = Some(index);
             }
         }
-        nearest.map(|shape| Hit {
-            t: t_max,
-            shape,
-            triangle: 0,
-            barycentric: [0; 2],
-        })
+        nearest.map(|shape| Hit::of_form(shape, t_max))
     }
 
     /// Distance to the first crossing with anything but a mesh.
@@ -236,42 +228,83 @@ impl Scene<'_> {
     /// The nearest hit on one shape, at a distance under `t_max`.
     #[inline]
     fn intersect(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
-        let shape = self.parts.shapes.get(index)?;
-        if let Geometry::Mesh(mesh) = shape.geometry {
-            let mesh = self.parts.meshes.get(mesh as usize)?;
-            let hit = bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)?;
-            return Some(Hit {
-                t: hit.t,
-                shape: index as u16,
-                triangle: hit.triangle,
-                barycentric: [hit.b1, hit.b2],
-            });
-        }
-        let t = self.form(&shape.geometry, ray, t_max)?;
-        Some(Hit {
-            t,
-            shape: index as u16,
-            triangle: 0,
-            barycentric: [0; 2],
-        })
+        let geometry = &self.parts.shapes.get(index)?.geometry;
+        let tree = |mesh: &Mesh, ray: &Ray, slopes: &Slopes, t_max| {
+            bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)
+        };
+        let found = match *geometry {
+            Geometry::Mesh(mesh) => tree(self.mesh(mesh)?, ray, slopes, t_max)?,
+            Geometry::Instance(ref instance) => self.instance(instance, ray, t_max, tree)?,
+            _ => return Some(Hit::of_form(index, self.form(geometry, ray, t_max)?)),
+        };
+        Some(Hit::of_mesh(index, found))
     }
 
     fn intersect_linear(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
-        let Geometry::Mesh(mesh) = self.parts.shapes.get(index)?.geometry else {
-            return self.intersect(index, ray, slopes, t_max);
+        let list = |mesh: &Mesh, ray: &Ray, slopes: &Slopes, t_max| {
+            bvh::closest_linear(&mesh.triangles, ray, slopes, t_max)
         };
-        let hit = bvh::closest_linear(
-            &self.parts.meshes.get(mesh as usize)?.triangles,
-            ray,
-            slopes,
-            t_max,
-        )?;
-        Some(Hit {
+        let found = match self.parts.shapes.get(index)?.geometry {
+            Geometry::Mesh(mesh) => list(self.mesh(mesh)?, ray, slopes, t_max)?,
+            Geometry::Instance(ref instance) => self.instance(instance, ray, t_max, list)?,
+            _ => return self.intersect(index, ray, slopes, t_max),
+        };
+        Some(Hit::of_mesh(index, found))
+    }
+
+    #[inline]
+    fn mesh(&self, mesh: u16) -> Option<&Mesh<'_>> {
+        self.parts.meshes.get(mesh as usize)
+    }
+
+    /// A hit in an instance's mesh, in its frame but for the distance.
+    #[inline(never)]
+    fn instance(
+        &self,
+        instance: &Instance,
+        ray: &Ray,
+        t_max: i32,
+        closest: impl Fn(&Mesh, &Ray, &Slopes, i32) -> Option<MeshHit>,
+    ) -> Option<MeshHit> {
+        let mesh = self.mesh(instance.mesh)?;
+        let local = instance.enter(ray)?;
+        let hit = closest(mesh, &local.ray, &local.slopes, instance.limit(t_max))?;
+        Some(MeshHit {
+            t: instance.distance(hit.t),
+            ..hit
+        })
+    }
+
+    /// Whether anything of an instance is nearer than `distance`.
+    #[inline(never)]
+    fn instance_occludes(&self, instance: &Instance, ray: &Ray, distance: i32) -> bool {
+        let (Some(mesh), Some(local)) = (self.mesh(instance.mesh), instance.enter(ray)) else {
+            return false;
+        };
+        let limit = instance.limit(distance);
+        bvh::occluded(&mesh.triangles, mesh.nodes, &local.ray, &local.slopes, limit)
+    }
+}
+
+impl Hit {
+    #[inline]
+    fn of_form(shape: usize, t: i32) -> Hit {
+        Hit {
+            t,
+            shape: shape as u16,
+            triangle: 0,
+            barycentric: [0; 2],
+        }
+    }
+
+    #[inline]
+    fn of_mesh(shape: usize, hit: MeshHit) -> Hit {
+        Hit {
             t: hit.t,
-            shape: index as u16,
+            shape: shape as u16,
             triangle: hit.triangle,
             barycentric: [hit.b1, hit.b2],
-        })
+        }
     }
 }
 
@@ -367,6 +400,9 @@ impl Visitor for Any<'_> {
                 Geometry::Mesh(mesh) => parts.meshes.get(mesh as usize).is_some_and(|mesh| {
                     bvh::occluded(&mesh.triangles, mesh.nodes, self.ray, self.slopes, self.distance)
                 }),
+                Geometry::Instance(ref instance) => {
+                    self.scene.instance_occludes(instance, self.ray, self.distance)
+                }
                 ref geometry => self.scene.form(geometry, self.ray, self.distance).is_some(),
             };
             if self.found {

@@ -1,5 +1,5 @@
 use crate::geom::{Dir, Point, Ray};
-use crate::num::{leading_zeros, mul_q16, mul_shift, recip, short_recip};
+use crate::num::{leading_zeros, mul_shift, recip, short_recip};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -163,20 +163,31 @@ impl Slopes {
     /// Of a unit vector. (Of anything else: slopes within their range, depths that mean nothing.)
     #[inline]
     pub fn new(dir: Dir) -> Slopes {
-        let size = dir.0.map(i32::unsigned_abs);
+        Slopes::of::<16>(dir.0)
+    }
+
+    /// The same of a unit vector of Q28.
+    #[inline]
+    pub(crate) fn fine(dir: [i32; 3]) -> Slopes {
+        Slopes::of::<28>(dir)
+    }
+
+    #[inline(always)]
+    fn of<const BITS: u32>(dir: [i32; 3]) -> Slopes {
+        let size = dir.map(i32::unsigned_abs);
         let axis = if size[0] >= size[1] && size[0] >= size[2] {
             0
         } else {
             1 + (size[2] > size[1]) as u8
         };
-        let [dx, dy, dk] = rotate(axis, dir.0);
+        let [dx, dy, dk] = rotate(axis, dir);
         let cosine = dk.unsigned_abs();
-        // 2^16/|d_k| = mantissa · 2^(16 − shift), and shift is 47 below one, 48 from one on.
+        // 2^BITS/|d_k| = mantissa · 2^(BITS − shift), and shift is 31 + BITS below one, more from one on.
         let r = recip(cosine);
-        let down = if r.shift < 48 { 1 } else { 2 };
+        let down = if r.shift < 32 + BITS { 1 } else { 2 };
         let inverse = ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32;
         let signed = if dk < 0 { -inverse } else { inverse };
-        let fine = [mul_q16(signed, dx), mul_q16(signed, dy)];
+        let fine = [mul_shift(signed, dx, BITS), mul_shift(signed, dy, BITS)];
         let slopes =
             fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
         Slopes {
@@ -184,7 +195,7 @@ impl Slopes {
             negative: dk < 0,
             slopes,
             fine,
-            cosine,
+            cosine: cosine >> (BITS - 16),
             inverse,
         }
     }

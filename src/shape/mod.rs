@@ -7,6 +7,7 @@
 mod attributes;
 mod grid;
 mod implicit;
+mod instance;
 mod mesh;
 mod packed;
 mod planar;
@@ -25,6 +26,7 @@ pub use implicit::{
     Blob, Bound, Capsule, FINEST, Gyroid, Implicit, ImplicitError, MAX_BLOBS, Metaballs, RoundedBox,
     SmoothUnion, Torus,
 };
+pub use instance::{Instance, LocalRay};
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
 pub use packed::{PackedMesh, Treelet};
@@ -43,7 +45,15 @@ pub enum Geometry {
     Rectangle(Rectangle),
     /// Index into the scene's meshes.
     Mesh(u16),
+    /// A mesh at a place of its own.
+    Instance(Instance),
     Implicit(Implicit),
+}
+
+impl From<Instance> for Geometry {
+    fn from(shape: Instance) -> Geometry {
+        Geometry::Instance(shape)
+    }
 }
 
 impl From<Sphere> for Geometry {
@@ -86,7 +96,7 @@ impl Geometry {
             Geometry::Plane(plane) => plane.intersect(ray, t_max),
             Geometry::Disk(disk) => disk.intersect(ray, t_max),
             Geometry::Rectangle(rectangle) => rectangle.intersect(ray, t_max),
-            Geometry::Mesh(_) | Geometry::Implicit(_) => None,
+            Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Implicit(_) => None,
         }
     }
 
@@ -116,7 +126,7 @@ impl Geometry {
             Geometry::Rectangle(Rectangle { center, normal, .. }) => {
                 (onto_plane(*center, *normal, near), *normal, LIFT)
             }
-            Geometry::Mesh(_) | Geometry::Implicit(_) => return None,
+            Geometry::Mesh(_) | Geometry::Instance(_) | Geometry::Implicit(_) => return None,
         };
         Some(Surface { point, normal, lift })
     }

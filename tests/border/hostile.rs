@@ -4,17 +4,17 @@ use crate::scenes::{Draft, Random, radiance};
 use fixed::types::I12F20;
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point, REACH, Unit};
+use microlux::geom::{Dir, Point, REACH, Rotation, Unit};
 use microlux::integrator::Path;
 use microlux::light::{Environment, Light, Map, MapParts, Sky, Texel};
 use microlux::material::Material;
-use microlux::num::{Share, Turn};
+use microlux::num::{Metres, Share, Turn};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
 use microlux::scene::{Scene, SceneError};
 use microlux::shape::{
-    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle, RoundedBox,
-    SmoothUnion, Sphere, Torus,
+    Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Instance, Metaballs, Plane, Rectangle,
+    RoundedBox, SmoothUnion, Sphere, Torus,
 };
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -61,7 +61,7 @@ fn dir(random: &mut Random) -> Dir {
 }
 
 fn geometry(random: &mut Random, blobs: &[Blob]) -> Geometry {
-    match random.below(7) {
+    match random.below(8) {
         5 | 6 => implicit(random, blobs).into(),
         0 => Sphere::new(point(random), number(random)).into(),
         1 => Disk::new(point(random), dir(random), number(random)).into(),
@@ -74,7 +74,15 @@ fn geometry(random: &mut Random, blobs: &[Blob]) -> Geometry {
             half: [number(random), number(random)],
         }
         .into(),
-        _ => Geometry::Mesh(random.below(4) as u16),
+        4 => Geometry::Mesh(random.below(4) as u16),
+        _ => Instance::new(random.below(4) as u16)
+            .scaled(Metres::from_bits(number(random)))
+            .turned(
+                Rotation::new([0; 4].map(|_| number(random)))
+                    .unwrap_or(Rotation::about(dir(random), Turn::ZERO)),
+            )
+            .moved(point(random))
+            .into(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use microlux::bvh::{Node, build_mesh, max_nodes};
 use microlux::color::{Albedo, Radiance};
-use microlux::geom::{Dir, Point, REACH, Unit};
+use microlux::geom::{Dir, Point, REACH, Rotation, Unit};
 use microlux::light::{Environment, Light};
 use microlux::material::{
     BlinnPhong, Conductor, Dielectric, Index, Material, OrenNayar, OrenNayarModel, RoughDielectric,
@@ -10,8 +10,8 @@ use microlux::material::{
 use microlux::num::{Metres, Share, Turn};
 use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
 use microlux::shape::{
-    Attributes, Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Metaballs, Plane, Rectangle,
-    RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
+    Attributes, Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Instance, Metaballs, Plane,
+    Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
 };
 
 /// SplitMix64.
@@ -180,7 +180,31 @@ fn implicit(random: &mut Random, blobs: &[Blob]) -> Option<Implicit> {
     solid.check(blobs).is_ok().then_some(solid)
 }
 
-fn geometry(random: &mut Random, meshes: usize, blobs: &[Blob]) -> Geometry {
+/// One of the meshes in any place, all of it within reach.
+fn instance(random: &mut Random, meshes: &[Model]) -> Instance {
+    let mesh = random.below(meshes.len());
+    let grid = &meshes[mesh].grid;
+    let cube = 65536 << grid.shift();
+    let middle = grid.to_scene([32768; 3]);
+    let scale = random.pick(&[1 << 12, 5000, 30_000, 65_535, 1 << 16, 99_999, 1 << 18, 1 << 20]);
+    // Half its diagonal is less than its side.
+    let most = i64::from(REACH) * 65536 / i64::from(cube) / 2;
+    let scale = i64::from(scale).min(most).max(1 << 12) as i32;
+    let size = ((i64::from(cube) * i64::from(scale)) >> 16) as i32;
+    let quaternion = match random.below(4) {
+        0 => [1, 0, 0, 0],
+        1 => [1, 1, 0, 0],
+        _ => [0; 4].map(|_| random.within(1 << 20)),
+    };
+    let turned = Instance::new(mesh as u16)
+        .scaled(Metres::from_bits(scale))
+        .turned(Rotation::new(quaternion).unwrap_or(Rotation::NONE));
+    let Point(from) = turned.place(middle);
+    let Point(to) = random.point((REACH - size).max(1));
+    turned.moved(Point([0, 1, 2].map(|i| to[i] - from[i])))
+}
+
+fn geometry(random: &mut Random, meshes: &[Model], blobs: &[Blob]) -> Geometry {
     if random.one_in(4)
         && let Some(solid) = implicit(random, blobs)
     {
@@ -191,7 +215,7 @@ fn geometry(random: &mut Random, meshes: usize, blobs: &[Blob]) -> Geometry {
     }
     let size = random.size(REACH);
     let center = random.point(REACH - size);
-    match random.below(if meshes > 0 { 6 } else { 4 }) {
+    match random.below(if meshes.is_empty() { 4 } else { 8 }) {
         0 => Sphere::new(center, size).into(),
         1 => Disk::new(center, random.dir(), size).into(),
         2 => {
@@ -202,7 +226,8 @@ fn geometry(random: &mut Random, meshes: usize, blobs: &[Blob]) -> Geometry {
                 .map_or(Sphere::new(center, size).into(), Into::into)
         }
         3 => Plane::new(random.point(REACH), random.dir()).into(),
-        _ => Geometry::Mesh(random.below(meshes) as u16),
+        4 | 5 => Geometry::Mesh(random.below(meshes.len()) as u16),
+        _ => instance(random, meshes).into(),
     }
 }
 
@@ -312,9 +337,9 @@ impl Draft {
             let geometry = if again {
                 shapes[random.below(shapes.len())].geometry
             } else {
-                geometry(random, meshes.len(), &blobs)
+                geometry(random, &meshes, &blobs)
             };
-            let emits = random.one_in(4) && !matches!(geometry, Geometry::Plane(_));
+            let emits = random.one_in(4) && !matches!(geometry, Geometry::Plane(_) | Geometry::Instance(_));
             shapes.push(Shape {
                 geometry,
                 material: random.below(materials.len()) as u16,

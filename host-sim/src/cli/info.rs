@@ -25,6 +25,7 @@ pub fn info(args: &InfoArgs) -> Result<(), Failure> {
     {
         // As they are baked, not as they were taken apart to be shown.
         [info.bytes_geometry, info.bytes_bvh] = flash::bytes(path).map_err(of_run)?;
+        info.bytes_normals = 0;
     }
     if let Some(target) = &json {
         let text = format!("{:#}\n", Value::Object(as_json(&desc.name, &info)));

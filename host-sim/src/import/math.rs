@@ -1,6 +1,6 @@
 //! Vectors and affine maps in f64, as far as reading scenes needs them.
 
-use crate::desc::Vec3;
+use crate::desc::{MeshDesc, Vec3};
 
 pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
@@ -137,6 +137,23 @@ impl Affine {
         scaled(cofactor.vector(n), self.determinant().signum())
     }
 
+    /// A mesh in its place; winding and normals keep their side, as in `RawMesh::place`.
+    pub fn mesh(&self, mesh: &MeshDesc) -> MeshDesc {
+        let mut triangles = mesh.triangles.clone();
+        if self.determinant() < 0.0 {
+            triangles.iter_mut().for_each(|t| t.swap(1, 2));
+        }
+        MeshDesc {
+            vertices: mesh.vertices.iter().map(|&v| self.point(v)).collect(),
+            triangles,
+            normals: mesh
+                .normals
+                .iter()
+                .map(|&n| unit(self.normal(n)).unwrap_or(n))
+                .collect(),
+        }
+    }
+
     pub fn determinant(&self) -> f64 {
         let [x, y, z] = self.columns;
         dot(x, cross(y, z))
@@ -152,6 +169,12 @@ impl Affine {
     }
 
     /// The scale factor where it is the same for every direction (rotation, mirroring and translation allowed).
+    /// The scale, and where the axes point, of a transform that turns, scales and moves, and does not mirror.
+    pub fn similarity(&self) -> Option<(f64, [Vec3; 3])> {
+        let scale = self.uniform_scale().filter(|scale| *scale > 0.0)?;
+        (self.determinant() > 0.0).then(|| (scale, self.columns.map(|axis| scaled(axis, 1.0 / scale))))
+    }
+
     pub fn uniform_scale(&self) -> Option<f64> {
         let [x, y, z] = self.columns;
         let square = perpendicular_enough(x, y) && perpendicular_enough(y, z) && perpendicular_enough(z, x);

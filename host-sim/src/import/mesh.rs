@@ -1,9 +1,10 @@
 //! What every mesh goes through between its file and the scene: placement, degenerate faces, normals, welding.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
 
 use super::math::{Affine, add, cross, dot, length, scaled, sub, unit};
-use crate::desc::{MeshDesc, Vec3};
+use crate::desc::{GeometryDesc, InstanceDesc, MeshDesc, Vec3};
 
 /// A mesh as its file says it.
 #[derive(Clone, Debug, Default)]
@@ -68,6 +69,20 @@ impl RawMesh {
             *mesh = weld(&mesh.triangles, &vertices, &normals);
         }
         (parts, dropped)
+    }
+}
+
+/// A mesh that stands in several places, in one of them; one of its own where the transform mirrors, shears or scales
+/// unevenly.
+pub(super) fn placed(mesh: &Arc<MeshDesc>, to_world: &Affine) -> GeometryDesc {
+    match to_world.similarity() {
+        Some((scale, axes)) => GeometryDesc::Instance(InstanceDesc {
+            mesh: Arc::clone(mesh),
+            at: to_world.translation,
+            scale,
+            axes,
+        }),
+        None => GeometryDesc::Mesh(to_world.mesh(mesh)),
     }
 }
 

@@ -209,6 +209,37 @@ fn strips_fans_sparse_data_and_mirrors() {
     assert_eq!(scene.shapes[1].emission, Some([4.0, 2.0, 0.0]));
 }
 
+/// A second node with the mesh of the first: one mesh in two places.
+#[test]
+fn nodes_of_one_mesh_share_it() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models");
+    let text = std::fs::read_to_string(folder.join("nested.gltf")).unwrap();
+    let mut json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let nodes = json["nodes"].as_array_mut().unwrap();
+    let first = nodes.len();
+    for (name, height) in [("Again", 9), ("Twice", 18)] {
+        nodes.push(serde_json::json!({"name": name, "mesh": 0, "scale": [0.5, 0.5, 0.5], "translation": [0, height, 0]}));
+    }
+    let roots = json["scenes"][0]["nodes"].as_array_mut().unwrap();
+    roots.extend([first.into(), (first + 1).into()]);
+    let here = Folder::with(&[("s.gltf", &json.to_string())]);
+    std::fs::copy(folder.join("nested.bin"), here.path("nested.bin")).unwrap();
+    let scene = here.load("s.gltf", &Options::default()).unwrap().scene;
+    let shape = |name: &str| scene.shapes.iter().find(|shape| shape.name == name).unwrap();
+    let [again, twice] = ["node \"Again\"", "node \"Twice\""].map(|name| match &shape(name).geometry {
+        GeometryDesc::Instance(instance) => instance,
+        other => panic!("{other:?}"),
+    });
+    assert!(std::sync::Arc::ptr_eq(&again.mesh, &twice.mesh));
+    let [low, high] = extent(&again.placed());
+    let middle = [0, 1, 2].map(|i| (low[i] + high[i]) / 2.0);
+    assert!(near(middle, [0.0, 9.0, 0.0]), "{middle:?}");
+    let whole = extent(&again.mesh);
+    for i in 0..3 {
+        assert!(((high[i] - low[i]) / (whole[1][i] - whole[0][i]) - 0.5).abs() < 1e-6);
+    }
+}
+
 #[test]
 fn broken_files_name_their_part() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models");

@@ -184,3 +184,65 @@ fn spheres_scale_and_turn_inside_out() {
         );
     }
 }
+
+/// A pyramid without its base.
+const TENT: &str = "v 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 3 4\nf 1 4 5\nf 1 5 2\n";
+
+fn camp(body: &str) -> Folder {
+    let group = "<shape type=\"shapegroup\" id=\"camp\"><shape type=\"obj\"><string name=\"filename\" value=\"tent.obj\"/>\
+                 <transform name=\"to_world\"><translate z=\"1\"/></transform></shape></shape>\n";
+    Folder::with(&[("tent.obj", TENT), ("s.xml", &scene(&format!("{group}{body}")))])
+}
+
+#[test]
+fn instances_share_their_mesh() {
+    let place = |steps: &str| {
+        format!(
+            "<shape type=\"instance\"><ref id=\"camp\"/><transform name=\"to_world\">{steps}</transform></shape>"
+        )
+    };
+    let turned = place("<scale value=\"2\"/><rotate z=\"1\" angle=\"90\"/><translate x=\"5\"/>");
+    let uneven = place("<scale x=\"2\" y=\"3\" z=\"1\"/>");
+    let mirrored = place("<scale x=\"-1\"/>");
+    let body = turned + &place("<translate y=\"-3\"/>") + &uneven + &mirrored;
+    let loaded = camp(&body).load("s.xml", &Options::default()).unwrap();
+    let shapes = &loaded.scene.shapes;
+    assert_eq!(shapes.len(), 4);
+    let (GeometryDesc::Instance(first), GeometryDesc::Instance(second)) =
+        (&shapes[0].geometry, &shapes[1].geometry)
+    else {
+        panic!("{shapes:?}")
+    };
+    assert!(std::sync::Arc::ptr_eq(&first.mesh, &second.mesh));
+    // The top, at (0, 0, 2) in the group: doubled, and moved by 5.
+    let top = first.placed().vertices[0];
+    assert!(near(top, [5.0, 0.0, 4.0]), "{top:?}");
+    // A foot at (1, 0, 1): turned to y.
+    let foot = first.placed().vertices[1];
+    assert!(near(foot, [5.0, 2.0, 2.0]), "{foot:?}");
+    assert!(near(second.placed().vertices[0], [0.0, -3.0, 2.0]));
+    for (shape, foot, factor) in [(2, [2.0, 0.0, 1.0], 6.0), (3, [-1.0, 0.0, 1.0], 1.0)] {
+        let GeometryDesc::Mesh(mesh) = &shapes[shape].geometry else {
+            panic!("{:?}", shapes[shape])
+        };
+        assert!(near(mesh.vertices[1], foot), "{:?}", mesh.vertices);
+        // The sides still face outwards: the same sign, and so much of the volume over the origin.
+        assert!((volume(mesh) / volume(&first.mesh) - factor).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn what_no_instance_can_be_is_told() {
+    let told = |body: &str| camp(body).error("s.xml");
+    let none = told("<shape type=\"instance\"/>");
+    assert!(none.contains("names no shapegroup"), "{none}");
+    let ball = told("<shape type=\"sphere\" id=\"b\"/><shape type=\"instance\"><ref id=\"b\"/></shape>");
+    assert!(ball.contains("is no shapegroup"), "{ball}");
+    let round = error("<shape type=\"shapegroup\" id=\"g\"><shape type=\"sphere\"/></shape>");
+    assert!(round.contains("only meshes can stand in a shapegroup"), "{round}");
+    let lamp = error(
+        "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"><transform name=\"to_world\"><matrix value=\"1 1 0 0 1 0 0 0 1\"/>\
+         </transform><emitter type=\"area\"/></shape></shape>",
+    );
+    assert!(lamp.contains("cannot emit light"), "{lamp}");
+}

@@ -1,12 +1,14 @@
 //! Meshes of glTF: each primitive of each node is a shape of its own, placed in the world.
 
+use std::sync::Arc;
+
 use gltf::Semantic;
 use gltf::accessor::{DataType, Dimensions};
 use gltf::mesh::{Mesh, Mode, Primitive};
 
 use super::super::error::ImportError;
 use super::super::math::Affine;
-use super::super::mesh::{Placement, RawMesh};
+use super::super::mesh::{Placement, RawMesh, placed};
 use super::{Reader, named};
 use crate::desc::{GeometryDesc, ShapeDesc};
 
@@ -28,6 +30,19 @@ impl Reader<'_> {
             if primitive.get(&Semantic::Colors(0)).is_some() {
                 self.warn(&format!("{name}: its vertex colours are left out"));
             }
+            let used = (mesh.index(), primitive.index());
+            let is_shared = self.uses.get(mesh.index()).is_some_and(|uses| *uses > 1);
+            let (material, emission) = self.materials.of(&primitive.material())?;
+            if let Some(known) = self.shared.get(&used) {
+                let geometry = placed(known, &to_world);
+                self.model.shapes.push(ShapeDesc {
+                    name,
+                    geometry,
+                    material,
+                    emission,
+                });
+                continue;
+            }
             let raw = self
                 .triangles(&primitive)
                 .map_err(|what| self.error(format!("{part}: {what}")))?;
@@ -37,25 +52,34 @@ impl Reader<'_> {
                 ));
                 continue;
             };
+            let instanced = is_shared && emission.is_none();
+            let place = if instanced { Affine::IDENTITY } else { to_world };
             // The side of a mirrored mesh's front is that of the unmirrored one (glTF 2.0, 3.7.4).
-            if to_world.determinant() < 0.0 {
+            if place.determinant() < 0.0 {
                 raw.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             }
-            let (placed, dropped) = raw.place(Placement {
-                to_world,
+            let (mesh, dropped) = raw.place(Placement {
+                to_world: place,
                 face_normals: raw.normals.is_empty(),
                 flip_normals: false,
             });
             if dropped > 0 {
                 self.warn(&format!("{name}: {dropped} triangles without area are left out"));
             }
-            if placed.triangles.is_empty() {
+            if mesh.triangles.is_empty() {
                 continue;
             }
-            let (material, emission) = self.materials.of(&primitive.material())?;
+            let geometry = if instanced {
+                let mesh = Arc::new(mesh);
+                let geometry = placed(&mesh, &to_world);
+                self.shared.insert(used, mesh);
+                geometry
+            } else {
+                GeometryDesc::Mesh(mesh)
+            };
             self.model.shapes.push(ShapeDesc {
                 name,
-                geometry: GeometryDesc::Mesh(placed),
+                geometry,
                 material,
                 emission,
             });

@@ -8,7 +8,9 @@ mod buffer;
 mod material;
 mod mesh;
 
+use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use gltf::camera::Projection;
 use gltf::khr_lights_punctual::Kind;
@@ -21,7 +23,7 @@ use super::error::ImportError;
 use super::math::{Affine, cross, dot, scaled, sub, unit};
 use super::showcase::Model;
 use super::{Loaded, suggest};
-use crate::desc::{CameraDesc, LightDesc, Vec3};
+use crate::desc::{CameraDesc, LightDesc, MeshDesc, Vec3};
 
 /// Extensions that are read, or that change nothing here.
 const READ: [&str; 8] = [
@@ -66,6 +68,8 @@ pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
         model: Model::default(),
         seen: vec![false; document.nodes().len()],
         cameras: 0,
+        uses: uses(&document),
+        shared: HashMap::new(),
     };
     reader.left_out(&document);
     let roots: Vec<Node> = match document.default_scene().or_else(|| document.scenes().next()) {
@@ -93,6 +97,15 @@ fn hollow(document: &Document) -> Option<(&'static str, usize)> {
     let place = |what, found: Option<usize>| found.map(|index| (what, index));
     place("images", json.images.iter().position(|i| !image(i)))
         .or_else(|| place("textures", json.textures.iter().position(|t| !texture(t))))
+}
+
+/// How many nodes each mesh stands at.
+fn uses(document: &Document) -> Vec<usize> {
+    let mut uses = vec![0; document.meshes().len()];
+    for mesh in document.nodes().filter_map(|node| node.mesh()) {
+        uses[mesh.index()] += 1;
+    }
+    uses
 }
 
 /// Nodes that are nobody's child.
@@ -174,6 +187,10 @@ struct Reader<'a> {
     model: Model,
     seen: Vec<bool>,
     cameras: usize,
+    /// Nodes of each mesh.
+    uses: Vec<usize>,
+    /// Primitives of meshes of several nodes, where they are modelled.
+    shared: HashMap<(usize, usize), Arc<MeshDesc>>,
 }
 
 impl<'a> Reader<'a> {

@@ -7,6 +7,7 @@ mod bsdf;
 mod color;
 mod emitter;
 mod implicit;
+mod instance;
 mod params;
 mod sensor;
 mod shape;
@@ -56,8 +57,9 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
 
     let mut materials = bsdf::Materials::default();
     let mut shapes = Vec::new();
+    let mut groups = instance::Groups::default();
     for shape in params.objects("shape")? {
-        shapes.extend(shape::read(shape, context, &mut materials)?);
+        shapes.extend(shape::read(shape, context, &mut materials, &mut groups)?);
     }
     let mut lights = Vec::new();
     for emitter in params.objects("emitter")? {

@@ -9,11 +9,12 @@ use super::super::{ImportError, read_mesh};
 use super::bsdf::Materials;
 use super::color::Quantity;
 use super::implicit;
+use super::instance::{self, Groups};
 use super::params::{Context, Params};
 use super::tree::Element;
 use crate::desc::{GeometryDesc, MeshDesc, ShapeDesc, Vec3};
 
-const KINDS: [&str; 12] = [
+const KINDS: [&str; 14] = [
     "sphere",
     "rectangle",
     "disk",
@@ -26,6 +27,8 @@ const KINDS: [&str; 12] = [
     "gyroid",
     "metaballs",
     "smoothunion",
+    "shapegroup",
+    "instance",
 ];
 
 /// What all kinds of shape have.
@@ -35,8 +38,22 @@ struct Common<'a> {
     flip_normals: bool,
 }
 
-/// The shapes of one `<shape>`: a cube is six.
+/// The shapes of one `<shape>`: a cube is six, a group none until an instance of it stands somewhere.
 pub(super) fn read<'a>(
+    element: &'a Element,
+    context: &Context<'a>,
+    materials: &mut Materials<'a>,
+    groups: &mut Groups<'a>,
+) -> Result<Vec<ShapeDesc>, ImportError> {
+    match element.kind() {
+        "shapegroup" => groups.of(element, context, materials).map(|_| Vec::new()),
+        "instance" => instance::read(element, context, materials, groups),
+        _ => read_one(element, context, materials),
+    }
+}
+
+/// One that is neither a group nor an instance of one.
+pub(super) fn read_one<'a>(
     element: &'a Element,
     context: &Context<'a>,
     materials: &mut Materials<'a>,
