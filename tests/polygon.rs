@@ -228,6 +228,7 @@ fn cut(rings: &Rings, fill: Fill) -> (Vec<Vec<Corner>>, Vec<[Corner; 3]>) {
     };
     Workspace::<4096>::new()
         .triangulate(&polygon, |step| match step {
+            Step::Cut(edge) => assert!((edge as usize) < points.len() && pieces.is_empty()),
             Step::Piece(corners) => pieces.push(corners.to_vec()),
             Step::Triangle(triangle) => triangles.push(triangle),
         })

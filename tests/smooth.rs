@@ -26,7 +26,10 @@ fn seen(lean: [i32; 3], lamp: [i32; 3], eye: [i32; 3]) -> Radiance {
             grid,
             vertices: &vertices,
             triangles: &triangles,
-            attributes: Attributes { normals: &normals },
+            attributes: Attributes {
+                normals: &normals,
+                ..Attributes::NONE
+            },
         }
         .into(),
         nodes: &tree[..used],

@@ -6,7 +6,7 @@ use std::fmt;
 use microlux::bvh::{Child, Node, primitives};
 use microlux::geom::Octahedral;
 use microlux::scene::Mesh;
-use microlux::shape::{Bounds, Grid, Layers, PackedMesh, Treelet, TriangleMesh, Triangles};
+use microlux::shape::{Attributes, Bounds, Grid, Layers, PackedMesh, Treelet, TriangleMesh, Triangles};
 use zerocopy::IntoBytes;
 
 /// Where a vertex is, and what else it says.
@@ -14,6 +14,8 @@ use zerocopy::IntoBytes;
 struct Vertex {
     place: [u16; 3],
     normal: Octahedral,
+    color: [u8; 3],
+    uv: [i16; 2],
 }
 
 type Corners = [Vertex; 3];
@@ -64,7 +66,7 @@ impl Packed {
         let mut packed = Packed {
             grid: mesh.grid,
             bounds: mesh.bounds(),
-            layers: layers(mesh),
+            layers: mesh.attributes.layers(),
             treelets: Vec::new(),
             vertices: Vec::new(),
             leaves: Vec::new(),
@@ -125,6 +127,13 @@ impl Packed {
             if self.layers.has(Layers::NORMALS) {
                 self.vertices.extend(vertex.normal.as_bytes());
             }
+            if self.layers.has(Layers::COLORS) {
+                self.vertices.extend(vertex.color);
+            }
+            if self.layers.has(Layers::UVS) {
+                self.vertices
+                    .extend(vertex.uv.iter().flat_map(|part| part.to_le_bytes()));
+            }
         }
         for block in blocks {
             let offset = self.leaves.len() as u32;
@@ -155,23 +164,15 @@ fn place(node: &Node, offset: u32) -> Node {
     Node::from_le_bytes(bytes)
 }
 
-fn layers(mesh: &TriangleMesh) -> Layers {
-    match mesh.attributes.normals {
-        [] => Layers::default(),
-        _ => Layers::NORMALS,
-    }
-}
-
 fn corners(mesh: &TriangleMesh, triangle: u32) -> Option<Corners> {
+    let Attributes { normals, colors, uvs } = mesh.attributes;
     let vertex = |index: u16| {
+        let index = usize::from(index);
         Some(Vertex {
-            place: *mesh.vertices.get(usize::from(index))?,
-            normal: mesh
-                .attributes
-                .normals
-                .get(usize::from(index))
-                .copied()
-                .unwrap_or_default(),
+            place: *mesh.vertices.get(index)?,
+            normal: normals.get(index).copied().unwrap_or_default(),
+            color: colors.get(index).copied().unwrap_or_default(),
+            uv: uvs.get(index).copied().unwrap_or_default(),
         })
     };
     let [a, b, c] = *mesh.triangles.get(triangle as usize)?;
@@ -367,6 +368,8 @@ mod tests {
         Vertex {
             place,
             normal: Octahedral::default(),
+            color: [0; 3],
+            uv: [0; 2],
         }
     }
 

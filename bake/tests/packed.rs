@@ -383,11 +383,56 @@ fn any_normals(model: &Model) -> Vec<Octahedral> {
 }
 
 #[test]
-fn normals_come_back() {
+fn what_vertices_say_comes_back() {
     for model in made() {
         let normals = any_normals(&model);
+        let mut random = Random(12);
+        let colors: Vec<[u8; 3]> = normals
+            .iter()
+            .map(|_| [0; 3].map(|_| random.bits() as u8))
+            .collect();
+        let uvs: Vec<[i16; 2]> = normals
+            .iter()
+            .map(|_| [0; 2].map(|_| random.bits() as i16))
+            .collect();
+        let all_of = Attributes {
+            normals: &normals,
+            colors: &colors,
+            uvs: &uvs,
+        };
+        let told = TriangleMesh {
+            attributes: all_of,
+            ..model.plain()
+        };
+        let (told, packed) = (Triangles::from(told), Packed::new(&told, &model.nodes).unwrap());
+        let said = |triangles: &Triangles| {
+            let mut said: Vec<_> = triangles
+                .numbers()
+                .map(|number| {
+                    let (corners, normals) = (triangles.corners(number), triangles.normals(number));
+                    let (colors, uvs) = (triangles.colors(number), triangles.uvs(number));
+                    let corner = |i: usize| {
+                        let i = i % 3;
+                        (
+                            corners.unwrap()[i],
+                            normals.unwrap()[i],
+                            colors.unwrap()[i],
+                            uvs.unwrap()[i],
+                        )
+                    };
+                    let turned = |i: usize| [corner(i), corner(i + 1), corner(i + 2)];
+                    (0..3).map(turned).min().unwrap()
+                })
+                .collect();
+            said.sort();
+            said
+        };
+        assert_eq!(said(&packed.mesh().triangles), said(&told), "{}", model.name);
         let smooth = TriangleMesh {
-            attributes: Attributes { normals: &normals },
+            attributes: Attributes {
+                normals: &normals,
+                ..Attributes::NONE
+            },
             ..model.plain()
         };
         let packed = Packed::new(&smooth, &model.nodes).unwrap();
@@ -440,6 +485,7 @@ fn normals_come_back() {
         let few = Triangles::from(TriangleMesh {
             attributes: Attributes {
                 normals: &normals[1..],
+                ..Attributes::NONE
             },
             ..model.plain()
         });
@@ -462,7 +508,10 @@ fn normals_between() {
         .map(|v| Octahedral::encode(Dir::new(v.map(|c| i32::from(c) - 32768)).unwrap()))
         .collect();
     let smooth = TriangleMesh {
-        attributes: Attributes { normals: &normals },
+        attributes: Attributes {
+            normals: &normals,
+            ..Attributes::NONE
+        },
         ..model.plain()
     };
     let packed = Packed::new(&smooth, &model.nodes).unwrap();

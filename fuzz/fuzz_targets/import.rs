@@ -27,7 +27,7 @@ fuzz_target!(|data: &[u8]| {
     };
     match load(&path, &options) {
         Ok(loaded) => {
-            let _ = CoreScene::new(&loaded.scene).map(|core| core.scene(&core.meshes()).is_ok());
+            let _ = CoreScene::new(&loaded.scene).map(|core| core.scene(&core.lend()).is_ok());
         }
         Err(error) => assert!(!error.to_string().is_empty()),
     }

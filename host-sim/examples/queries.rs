@@ -29,8 +29,8 @@ fn main() -> Result<()> {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let desc = builtin::scene("seed").context("there is no scene \"seed\"")?;
     let core = CoreScene::new(&desc)?;
-    let meshes = core.meshes();
-    let scene = core.scene(&meshes)?;
+    let lent = core.lend();
+    let scene = core.scene(&lent)?;
     let (queries, started) = match words[..] {
         ["rays", file] => {
             let rays = rays(&core, &scene);

@@ -96,6 +96,7 @@ impl Draft {
             name: name.to_string(),
             two_sided,
             bsdf,
+            tint: None,
         });
         self.0.materials.len() - 1
     }

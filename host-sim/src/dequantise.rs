@@ -2,7 +2,7 @@
 
 use crate::quantise::{CoreScene, QuantiseError};
 use crate::reference;
-use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Shape, Vec3, vec3};
+use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Rgb, Shape, Texture, Tint, Vec3, vec3};
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Octahedral, Point};
 use microlux::light::Environment;
@@ -60,8 +60,8 @@ pub fn radiance(light: Radiance) -> [f64; 3] {
 
 /// The whole scene. The core's order of shapes is kept; `id` is the number in the file.
 pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
-    let meshes = core.meshes();
-    let checked = core.scene(&meshes)?;
+    let lent = core.lend();
+    let checked = core.scene(&lent)?;
     let parts = checked.parts();
     let frame = Frame::of(core);
     let lights = parts.lights;
@@ -69,10 +69,18 @@ pub fn scene(core: &CoreScene) -> Result<reference::Scene, QuantiseError> {
         microlux::light::Light::Area { radiance: r, .. } => Some(radiance(r).into()),
         _ => None,
     };
+    let textures: Vec<Arc<Texture>> = parts.textures.iter().map(|t| Arc::new(texture(t))).collect();
     let shapes = parts.shapes.iter().map(|shape| Shape {
         geometry: geometry(&frame, &shape.geometry, parts.meshes, parts.blobs),
         material: shape.material as usize,
         emission: shape.light.and_then(emission),
+        tint: match shape.tint {
+            microlux::scene::Tint::None => None,
+            microlux::scene::Tint::Vertices => Some(Tint::Vertices),
+            microlux::scene::Tint::Texture(index) => {
+                Some(Tint::Texture(Arc::clone(&textures[index as usize])))
+            }
+        },
         id: u32::from(shape.id),
     });
     let [right, up, forward] = core.camera.frame().map(unit);
@@ -171,22 +179,67 @@ fn mesh_of(
 ) -> Mesh {
     use microlux::shape::Triangles;
     let normal = |normal: &Octahedral| turn(octahedral(normal));
+    let color = |signal: &[u8; 3]| -> Rgb { signal.map(from_srgb).into() };
+    let uv = |uv: &[i16; 2]| uv.map(|part| f64::from(part) / 4096.0);
     match mesh {
         Triangles::Plain(mesh) => Mesh::new(
             mesh.vertices.iter().map(|&v| point(v)).collect(),
             mesh.triangles.iter().map(|t| t.map(u32::from)).collect(),
             mesh.attributes.normals.iter().map(normal).collect(),
+        )
+        .with_tints(
+            mesh.attributes.colors.iter().map(color).collect(),
+            mesh.attributes.uvs.iter().map(uv).collect(),
         ),
         Triangles::Packed(_) => {
             let corners: Vec<_> = mesh.numbers().filter_map(|number| mesh.corners(number)).collect();
             let normals = mesh.numbers().filter_map(|number| mesh.normals(number));
+            let colors = mesh.numbers().filter_map(|number| mesh.colors(number));
+            let uvs = mesh.numbers().filter_map(|number| mesh.uvs(number));
             let threes = (0..corners.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
             Mesh::new(
                 corners.iter().flatten().map(|&v| point(v)).collect(),
                 threes.collect(),
                 normals.flatten().map(|n| normal(&n)).collect(),
             )
+            .with_tints(
+                colors.flatten().map(|c| color(&c)).collect(),
+                uvs.flatten().map(|place| uv(&place)).collect(),
+            )
         }
+    }
+}
+
+/// IEC 61966-2-1, to the 2^-15 of the core's table.
+fn from_srgb(signal: u8) -> f64 {
+    let signal = f64::from(signal) / 255.0;
+    let light = if signal <= 0.04045 {
+        signal / 12.92
+    } else {
+        ((signal + 0.055) / 1.055).powf(2.4)
+    };
+    (light * 32768.0).round() / 32768.0
+}
+
+fn texture(texture: &microlux::material::Texture) -> Texture {
+    use microlux::material::{Filter, Texels};
+    let (width, height) = (usize::from(texture.width), usize::from(texture.height));
+    let number = |place: usize| match texture.texels {
+        Texels::Half(bytes) => {
+            bytes[place / width * width.div_ceil(2) + place % width / 2] >> (place % width % 2 * 4) & 15
+        }
+        Texels::Byte(bytes) => bytes[place],
+    };
+    let color = |place| -> Rgb {
+        texture.palette[usize::from(number(place))]
+            .map(|c| f64::from(c) / 32768.0)
+            .into()
+    };
+    Texture {
+        width,
+        height,
+        texels: (0..width * height).map(color).collect(),
+        nearest: texture.filter == Filter::Nearest,
     }
 }
 

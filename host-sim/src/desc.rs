@@ -91,6 +91,36 @@ pub struct NamedMaterial {
     pub name: String,
     pub two_sided: bool,
     pub bsdf: BsdfDesc,
+    /// What its own colour is multiplied by where it covers a mesh: that of the matt part, or of a mirror or metal.
+    pub tint: Option<TintDesc>,
+}
+
+#[derive(Clone, Debug)]
+pub enum TintDesc {
+    /// The colours of the mesh's vertices.
+    Vertices,
+    /// A texture at the mesh's places in it, which `to_uv` moves: its rows are those of Mitsuba's matrix, without the last.
+    Texture {
+        texture: Arc<TextureDesc>,
+        to_uv: [[f64; 3]; 2],
+    },
+}
+
+impl TintDesc {
+    /// `to_uv` that moves nothing.
+    pub const IN_PLACE: [[f64; 3]; 2] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+}
+
+/// A picture that is repeated; the first row is at v = 0.
+#[derive(Clone, Debug)]
+pub struct TextureDesc {
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    /// Linear, 0 to 1, row after row.
+    pub texels: Vec<Vec3>,
+    /// Else bilinear, between the texels' middles.
+    pub nearest: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -198,6 +228,10 @@ pub struct MeshDesc {
     pub triangles: Vec<[u32; 3]>,
     /// One unit normal a vertex for smooth shading; empty for flat faces.
     pub normals: Vec<Vec3>,
+    /// One linear colour a vertex, or none.
+    pub colors: Vec<Vec3>,
+    /// One place (u, v) in a texture a vertex, or none.
+    pub uvs: Vec<[f64; 2]>,
 }
 
 /// A mesh at a place of its own, p = `at` + `scale` Σ `axes`[i] q[i]; those of one `mesh` share it.
@@ -225,8 +259,8 @@ impl InstanceDesc {
     pub fn placed(&self) -> MeshDesc {
         MeshDesc {
             vertices: self.mesh.vertices.iter().map(|&v| self.point(v)).collect(),
-            triangles: self.mesh.triangles.clone(),
             normals: self.mesh.normals.iter().map(|&n| self.direction(n)).collect(),
+            ..(*self.mesh).clone()
         }
     }
 }

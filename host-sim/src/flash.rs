@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use microlux::bvh::{Child, Node, check_mesh, primitives};
+use microlux::color::Albedo;
 use microlux::scene::{Baked, Mesh};
 use microlux::shape::{Bounds, TriangleMesh, Triangles};
 
@@ -144,16 +145,22 @@ pub fn described(mesh: &Triangles, scale: f64) -> MeshDesc {
     let mut places = HashMap::new();
     let mut desc = MeshDesc::default();
     for number in mesh.numbers() {
-        let (Some(corners), normals) = (mesh.corners(number), mesh.normals(number)) else {
+        let Some(corners) = mesh.corners(number) else {
             continue;
         };
+        let (normals, colors, uvs) = (mesh.normals(number), mesh.colors(number), mesh.uvs(number));
         desc.triangles.push([0, 1, 2].map(|corner| {
             let (place, normal) = (corners[corner], normals.map(|normals| normals[corner]));
-            *places.entry((place, normal)).or_insert_with(|| {
+            let (color, uv) = (colors.map(|colors| colors[corner]), uvs.map(|uvs| uvs[corner]));
+            *places.entry((place, normal, color, uv)).or_insert_with(|| {
                 let point = mesh.grid().to_scene(place).0;
                 desc.vertices.push(point.map(|c| f64::from(c) * scale));
                 let normal = normal.map(|normal| normal.decode().0.map(|c| f64::from(c) / 65536.0));
                 desc.normals.extend(normal);
+                let light = |color| Albedo::from_srgb(color).0.map(|c| c.to_num());
+                desc.colors.extend(color.map(light));
+                desc.uvs
+                    .extend(uv.map(|uv| uv.map(|part| f64::from(part) / 4096.0)));
                 desc.vertices.len() as u32 - 1
             })
         }));

@@ -11,6 +11,7 @@ pub mod flash;
 pub mod import;
 pub mod metrics;
 pub mod picture;
+pub mod polygon;
 pub mod primary;
 pub mod quantise;
 pub mod reference;

@@ -62,8 +62,8 @@ pub fn compare(
     height: u32,
     cancel: &AtomicBool,
 ) -> Result<Option<PrimaryReport>, QuantiseError> {
-    let meshes = core.meshes();
-    let scene = core.scene(&meshes)?;
+    let lent = core.lend();
+    let scene = core.scene(&lent)?;
     let reference = dequantise::scene(core)?;
     let extent = reference::extent(&reference);
     let side = (RAYS / f64::from(width * height)).sqrt().ceil().max(1.0) as u32;

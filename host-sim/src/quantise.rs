@@ -1,7 +1,9 @@
 //! A scene as the files say it, rounded into the core's integers: the one place where floats become fixed point.
 
+use std::collections::HashMap;
+
 use crate::bake;
-use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, Vec3};
+use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, TintDesc, Vec3};
 use crate::envmap::{self, BakedMap};
 use fixed::types::I12F20;
 use instance::Shared;
@@ -10,17 +12,20 @@ use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Octahedral, Point, REACH, Unit};
 use microlux::light::{Environment, Light, Sky};
-use microlux::material::Material;
+use microlux::material::{Material, Texture};
 use microlux::num::{Share, Turn};
-use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, arrange};
+use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, Tint, arrange};
 use microlux::shape::{
     Attributes, Blob, Disk, Geometry, Grid, Plane, Rectangle, Sphere, TriangleMesh, Triangles,
 };
+pub use texture::OwnedTexture;
+use texture::Textures;
 use thiserror::Error;
 
 mod implicit;
 mod instance;
 mod material;
+mod texture;
 
 /// What the fixed-point core can't take.
 #[derive(Debug, Error)]
@@ -36,6 +41,26 @@ pub enum QuantiseError {
 /// What of a scene is left out, a line each: the picture will differ by it.
 pub fn losses(desc: &SceneDesc) -> Vec<String> {
     let mut lines = Vec::new();
+    for shape in &desc.shapes {
+        let tint = desc
+            .materials
+            .get(shape.material)
+            .and_then(|material| material.tint.as_ref());
+        let mesh = mesh_of(&shape.geometry);
+        let told = match tint {
+            Some(TintDesc::Vertices) if mesh.is_none_or(|mesh| mesh.colors.is_empty()) => {
+                "colours of its vertices"
+            }
+            Some(TintDesc::Texture { .. }) if mesh.is_none_or(|mesh| mesh.uvs.is_empty()) => {
+                "places in the texture"
+            }
+            _ => continue,
+        };
+        lines.push(format!(
+            "{}: has no {told}: its material's own colour is left",
+            shape.name
+        ));
+    }
     for light in &desc.lights {
         if let LightDesc::EnvMap { width, height, .. } = light
             && let Some([across, down]) = envmap::resizing(*width as usize, *height as usize)
@@ -59,6 +84,7 @@ pub struct CoreScene {
     materials: Vec<Material>,
     lights: Vec<Light>,
     meshes: Vec<OwnedMesh>,
+    textures: Vec<OwnedTexture>,
     /// What metaballs and smooth unions are made of.
     blobs: Vec<Blob>,
     nodes: Vec<Node>,
@@ -89,8 +115,10 @@ pub struct OwnedMesh {
     grid: Grid,
     vertices: Vec<[u16; 3]>,
     triangles: Vec<[u16; 3]>,
-    /// One a vertex, or none: flat faces.
+    /// One of each a vertex, or none.
     normals: Vec<Octahedral>,
+    colors: Vec<[u8; 3]>,
+    uvs: Vec<[i16; 2]>,
     nodes: Vec<Node>,
 }
 
@@ -102,6 +130,8 @@ impl OwnedMesh {
             triangles: &self.triangles,
             attributes: Attributes {
                 normals: &self.normals,
+                colors: &self.colors,
+                uvs: &self.uvs,
             },
         };
         Mesh {
@@ -109,6 +139,13 @@ impl OwnedMesh {
             nodes: &self.nodes,
         }
     }
+}
+
+/// What a scene borrows and the core knows by slices.
+#[derive(Clone, Debug)]
+pub struct Lent<'a> {
+    pub meshes: Vec<Mesh<'a>>,
+    pub textures: Vec<Texture<'a>>,
 }
 
 impl CoreScene {
@@ -129,6 +166,7 @@ impl CoreScene {
         let mut meshes = Vec::new();
         let mut blobs = Vec::new();
         let mut shared = Shared::new(&round, desc);
+        let mut textures = Textures::default();
         for (index, shape) in desc.shapes.iter().enumerate() {
             let light = shape.emission.map(|emission| {
                 lights.push(Light::Area {
@@ -137,16 +175,20 @@ impl CoreScene {
                 });
                 (lights.len() - 1) as u16
             });
+            let wanted = desc
+                .materials
+                .get(shape.material)
+                .and_then(|material| material.tint.as_ref());
             let geometry = match &shape.geometry {
                 GeometryDesc::Mesh(mesh) => {
-                    meshes.push(round.mesh(&shape.name, mesh)?);
+                    meshes.push(round.mesh(&shape.name, mesh, wanted)?);
                     Geometry::Mesh((meshes.len() - 1) as u16)
                 }
                 GeometryDesc::Instance(instance) => {
-                    match shared.place(&round, &shape.name, instance, &mut meshes)? {
+                    match shared.place(&round, &shape.name, instance, wanted, &mut meshes)? {
                         Some(placed) if light.is_none() => Geometry::Instance(placed),
                         _ => {
-                            meshes.push(round.mesh(&shape.name, &instance.placed())?);
+                            meshes.push(round.mesh(&shape.name, &instance.placed(), wanted)?);
                             Geometry::Mesh((meshes.len() - 1) as u16)
                         }
                     }
@@ -164,6 +206,13 @@ impl CoreScene {
                 geometry,
                 material: shape.material as u16,
                 light,
+                tint: match (wanted, mesh_of(&shape.geometry)) {
+                    (Some(TintDesc::Vertices), Some(mesh)) if !mesh.colors.is_empty() => Tint::Vertices,
+                    (Some(TintDesc::Texture { texture, .. }), Some(mesh)) if !mesh.uvs.is_empty() => {
+                        Tint::Texture(textures.of(texture))
+                    }
+                    _ => Tint::None,
+                },
                 id: index as u16,
             });
         }
@@ -244,6 +293,7 @@ impl CoreScene {
             materials,
             lights,
             meshes,
+            textures: textures.list,
             blobs,
             nodes,
             arrangement,
@@ -257,9 +307,9 @@ impl CoreScene {
 
     /// Makes the table by which lights are chosen; a scene that the border refuses has none.
     fn choose_by_power(&mut self) {
-        let meshes = self.meshes();
+        let lent = self.lend();
         let mut table = Vec::new();
-        if let Ok(scene) = self.scene(&meshes) {
+        if let Ok(scene) = self.scene(&lent) {
             table = vec![0; scene.light_count().saturating_sub(1) as usize];
             scene.choose_by_power(&mut table);
         }
@@ -279,13 +329,21 @@ impl CoreScene {
         &self.meshes
     }
 
-    /// The meshes as the core borrows them.
-    pub fn meshes(&self) -> Vec<Mesh<'_>> {
-        self.meshes.iter().map(OwnedMesh::borrow).collect()
+    /// The textures, with what is known of them.
+    pub fn owned_textures(&self) -> &[OwnedTexture] {
+        &self.textures
     }
 
-    /// The checked view that is rendered, over [`Self::meshes`]; an error names the shape as the file does.
-    pub fn scene<'a>(&'a self, meshes: &'a [Mesh<'a>]) -> Result<Scene<'a>, QuantiseError> {
+    /// The meshes and textures as the core borrows them.
+    pub fn lend(&self) -> Lent<'_> {
+        Lent {
+            meshes: self.meshes.iter().map(OwnedMesh::borrow).collect(),
+            textures: self.textures.iter().map(OwnedTexture::borrow).collect(),
+        }
+    }
+
+    /// The checked view that is rendered, over what [`Self::lend`] lends; an error names the shape as the file does.
+    pub fn scene<'a>(&'a self, lent: &'a Lent<'a>) -> Result<Scene<'a>, QuantiseError> {
         let parts = Parts {
             unit: self.unit,
             shapes: &self.shapes,
@@ -303,7 +361,8 @@ impl CoreScene {
                 }
             },
             choice: &self.choice,
-            meshes,
+            meshes: &lent.meshes,
+            textures: &lent.textures,
             blobs: &self.blobs,
             grid: self.arrangement.grid,
             nodes: &self.nodes,
@@ -416,7 +475,7 @@ impl Rounding {
     }
 
     /// Into the finest cube around it; triangles that lose their area there are left out.
-    fn mesh(&self, name: &str, mesh: &MeshDesc) -> Result<OwnedMesh, QuantiseError> {
+    fn mesh(&self, name: &str, mesh: &MeshDesc, tint: Option<&TintDesc>) -> Result<OwnedMesh, QuantiseError> {
         let error = |what: String| QuantiseError::Unsupported {
             name: name.to_string(),
             what,
@@ -432,12 +491,6 @@ impl Rounding {
             });
         let grid = Grid::around(Point(low), Point(high), Grid::MARGIN);
         let grid = grid.ok_or_else(|| error("reaches too far, or has no vertices".into()))?;
-        if points.len() > 1 << 16 {
-            let count = points.len();
-            return Err(error(format!(
-                "has {count} vertices; a mesh can have 65536: split it"
-            )));
-        }
         let step = f64::from(grid.shift()).exp2();
         let to_grid = |v: &Vec3| {
             [0, 1, 2].map(|i| {
@@ -448,7 +501,31 @@ impl Rounding {
             })
         };
         let vertices: Vec<_> = mesh.vertices.iter().map(to_grid).collect();
-        let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(|i| i as u16)).collect();
+        let said = Said {
+            normals: normals(mesh),
+            colors: match tint {
+                Some(TintDesc::Vertices) => mesh.colors.iter().map(|color| color.map(signal)).collect(),
+                _ => Vec::new(),
+            },
+            uvs: match tint {
+                Some(TintDesc::Texture { to_uv, .. }) => uvs(mesh, to_uv).map_err(error)?,
+                _ => Vec::new(),
+            },
+        };
+        let after = vertices.iter().map(|&vertex| {
+            let point = grid.to_scene(vertex).0;
+            [0, 1, 2].map(|i| self.origin[i] + f64::from(point[i]) / self.scale)
+        });
+        let (displacement, extent) = moved(&mesh.vertices, after);
+        let (vertices, said, places) = said.joined(&vertices);
+        if vertices.len() > 1 << 16 {
+            let count = vertices.len();
+            return Err(error(format!(
+                "has {count} vertices; a mesh can have 65536: split it"
+            )));
+        }
+        let place = |i: u32| places[i as usize] as u16;
+        let mut triangles: Vec<_> = mesh.triangles.iter().map(|t| t.map(place)).collect();
         let whole = Triangles::Plain(TriangleMesh {
             grid,
             vertices: &vertices,
@@ -469,11 +546,6 @@ impl Rounding {
                 e.needed
             ))
         })?;
-        let after = vertices.iter().map(|&vertex| {
-            let point = grid.to_scene(vertex).0;
-            [0, 1, 2].map(|i| self.origin[i] + f64::from(point[i]) / self.scale)
-        });
-        let (displacement, extent) = moved(&mesh.vertices, after);
         Ok(OwnedMesh {
             name: name.to_string(),
             displacement,
@@ -481,7 +553,9 @@ impl Rounding {
             grid,
             vertices,
             triangles,
-            normals: normals(mesh),
+            normals: said.normals,
+            colors: said.colors,
+            uvs: said.uvs,
             nodes,
         })
     }
@@ -499,6 +573,80 @@ impl Rounding {
             None => pinhole,
         }
     }
+}
+
+/// What vertices say beside their places: one of each, or none.
+#[derive(Default)]
+struct Said {
+    normals: Vec<Octahedral>,
+    colors: Vec<[u8; 3]>,
+    uvs: Vec<[i16; 2]>,
+}
+
+impl Said {
+    /// Vertices that are alike in everything become one; and for each of before which that is.
+    fn joined(&self, vertices: &[[u16; 3]]) -> (Vec<[u16; 3]>, Said, Vec<usize>) {
+        let (mut joined, mut said) = (Vec::new(), Said::default());
+        let mut known = HashMap::new();
+        let mut places = Vec::with_capacity(vertices.len());
+        for (i, &vertex) in vertices.iter().enumerate() {
+            let (normal, color, uv) = (self.normals.get(i), self.colors.get(i), self.uvs.get(i));
+            places.push(*known.entry((vertex, normal, color, uv)).or_insert_with(|| {
+                joined.push(vertex);
+                said.normals.extend(normal);
+                said.colors.extend(color);
+                said.uvs.extend(uv);
+                joined.len() - 1
+            }));
+        }
+        (joined, said, places)
+    }
+}
+
+/// The mesh that a shape is, or an instance of.
+fn mesh_of(geometry: &GeometryDesc) -> Option<&MeshDesc> {
+    match geometry {
+        GeometryDesc::Mesh(mesh) => Some(mesh),
+        GeometryDesc::Instance(instance) => Some(&instance.mesh),
+        _ => None,
+    }
+}
+
+/// IEC 61966-2-1.
+fn signal(light: f64) -> u8 {
+    let light = light.clamp(0.0, 1.0);
+    let signal = if light <= 0.0031308 {
+        12.92 * light
+    } else {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
+    };
+    (signal * 255.0).round() as u8
+}
+
+/// Places in a texture in steps of 2^-12, moved by whole turns so that they lie about 0.
+fn uvs(mesh: &MeshDesc, to_uv: &[[f64; 3]; 2]) -> Result<Vec<[i16; 2]>, String> {
+    let moved: Vec<[f64; 2]> = mesh
+        .uvs
+        .iter()
+        .map(|[u, v]| to_uv.map(|row| row[0] * u + row[1] * v + row[2]))
+        .collect();
+    let turns = [0, 1].map(|i| {
+        let along = moved.iter().map(|uv| uv[i]);
+        let (low, high) = along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| {
+            (low.min(c), high.max(c))
+        });
+        ((low + high) / 2.0).floor()
+    });
+    let step = |uv: &[f64; 2]| {
+        let steps = [0, 1].map(|i| ((uv[i] - turns[i]) * 4096.0).round());
+        let fits = steps.iter().all(|c| (-32768.0..=32767.0).contains(c));
+        fits.then(|| steps.map(|c| c as i16))
+    };
+    let steps: Option<Vec<_>> = moved.iter().map(step).collect();
+    steps.ok_or_else(|| {
+        "repeats its texture more than 16 times, or its uvs are not finite; split it, or scale them"
+            .to_string()
+    })
 }
 
 /// Largest and root mean square distance between two lists of points, and the longest side of the first.

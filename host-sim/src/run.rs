@@ -7,7 +7,7 @@ use crate::bake::Aligned;
 use crate::dequantise::{self, Frame};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
 use crate::expose::SharedExposure;
-use crate::quantise::{self, CoreScene, QuantiseError};
+use crate::quantise::{self, CoreScene, Lent, QuantiseError};
 use crate::show::{self, DisplayKind, Look};
 use crate::{primary, reference};
 use embedded_graphics::geometry::{Point, Size};
@@ -18,7 +18,7 @@ use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::{Baked, BakedError, Mesh, Scene};
+use microlux::scene::{Baked, BakedError, Scene};
 use rayon::prelude::*;
 
 pub use crate::picture::{Aov, Picture};
@@ -176,7 +176,7 @@ pub fn render_fixed(
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
     let core = CoreScene::new(desc)?;
-    render_core(desc, &core, &core.meshes(), options, progress, cancel)
+    render_core(desc, &core, &core.lend(), options, progress, cancel)
 }
 
 /// The same with the scene's meshes as they were baked.
@@ -192,18 +192,22 @@ pub fn render_baked(
     let baked = Baked::open(bytes.bytes()).map_err(wrong)?;
     let meshes: Result<Vec<_>, _> = (0..baked.count()).map(|index| baked.mesh(index)).collect();
     let core = CoreScene::new(desc)?;
-    render_core(desc, &core, &meshes.map_err(wrong)?, options, progress, cancel)
+    let lent = Lent {
+        meshes: meshes.map_err(wrong)?,
+        ..core.lend()
+    };
+    render_core(desc, &core, &lent, options, progress, cancel)
 }
 
 fn render_core(
     desc: &SceneDesc,
     core: &CoreScene,
-    meshes: &[Mesh],
+    lent: &Lent,
     options: &Options,
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
-    let scene = core.scene(meshes)?;
+    let scene = core.scene(lent)?;
     let job = Job {
         core,
         scene: &scene,
@@ -428,8 +432,9 @@ pub fn compare_primary_rays(
 /// What the scene becomes in the core's formats, and the RAM that rendering it with these options takes.
 pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
     let core = CoreScene::new(desc)?;
-    let meshes = core.meshes();
-    let scene = core.scene(&meshes)?;
+    let lent = core.lend();
+    let meshes = &lent.meshes;
+    let scene = core.scene(&lent)?;
     let parts = scene.parts();
     let mesh_nodes: usize = meshes.iter().map(|mesh| mesh.nodes.len()).sum();
     let nodes = parts.nodes.len() + mesh_nodes;
@@ -443,6 +448,7 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
     );
     let plain = meshes.iter().filter_map(|mesh| mesh.triangles.plain());
     let bytes_normals = plain.map(|mesh| size_of_val(mesh.attributes.normals)).sum();
+    let bytes_textures: usize = lent.textures.iter().map(|texture| texture.bytes()).sum();
     Ok(Info {
         shapes: parts.shapes.len(),
         meshes: meshes.len(),
@@ -468,6 +474,7 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         bytes_rest: size_of_val(parts.materials)
             + size_of_val(parts.lights)
             + core.map_bytes()
+            + bytes_textures
             + size_of_val(&scene),
         ram: vec![
             (

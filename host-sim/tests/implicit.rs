@@ -22,6 +22,7 @@ fn material(bsdf: BsdfDesc) -> NamedMaterial {
         name: "material".into(),
         two_sided: true,
         bsdf,
+        tint: None,
     }
 }
 
@@ -201,7 +202,7 @@ fn what_the_core_cannot_take_is_told() {
         desc.shapes[1].geometry = GeometryDesc::Implicit(solid);
         let core = CoreScene::new(&desc).map_err(|error| error.to_string());
         match core {
-            Ok(core) => core.scene(&core.meshes()).map(|_| ()).unwrap_err().to_string(),
+            Ok(core) => core.scene(&core.lend()).map(|_| ()).unwrap_err().to_string(),
             Err(error) => error,
         }
     };

@@ -85,6 +85,7 @@ fn smoothen(desc: &mut SceneDesc, shiny: bool) {
                 name: format!("ball at {place}"),
                 two_sided: false,
                 bsdf,
+                tint: None,
             });
             desc.materials.len() - 1
         } else {
@@ -129,6 +130,7 @@ fn ball(centre: Vec3, radius: f64) -> MeshDesc {
         vertices,
         triangles,
         normals,
+        ..MeshDesc::default()
     }
 }
 

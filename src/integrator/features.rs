@@ -34,7 +34,7 @@ pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
         };
         let Some(onward) = onward else {
             return Some(Features {
-                albedo: vertex.material.albedo(),
+                albedo: vertex.albedo(),
                 normal: vertex.facing(),
                 depth,
                 id: vertex.id,

@@ -84,6 +84,12 @@ impl BlinnPhong {
         BlinnPhong { lobe: share, ..self }
     }
 
+    /// The diffuse part's colour times another; samples are shared out as they were.
+    pub(super) fn tinted(self, tint: Albedo) -> BlinnPhong {
+        let diffuse = self.diffuse.times(tint);
+        BlinnPhong { diffuse, ..self }
+    }
+
     pub fn diffuse(&self) -> Albedo {
         self.diffuse
     }

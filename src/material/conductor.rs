@@ -47,6 +47,13 @@ impl Conductor {
         Conductor { alpha, ..self }
     }
 
+    pub(super) fn tinted(self, tint: Albedo) -> Conductor {
+        Conductor {
+            reflectance: self.reflectance.times(tint),
+            ..self
+        }
+    }
+
     /// The same, black from behind.
     pub const fn one_sided(self) -> Conductor {
         Conductor {

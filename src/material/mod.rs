@@ -10,6 +10,7 @@ mod lambert;
 mod microfacet;
 mod oren_nayar;
 mod rough_dielectric;
+mod texture;
 
 use crate::color::{Albedo, Radiance};
 use crate::geom::Dir;
@@ -20,6 +21,7 @@ pub use conductor::{Conductor, Index, fresnel_conductor};
 pub use dielectric::{Dielectric, fresnel_dielectric};
 pub use oren_nayar::{OrenNayar, OrenNayarModel};
 pub use rough_dielectric::RoughDielectric;
+pub use texture::{Filter, Texels, Texture, TextureError};
 
 /// The material of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -171,6 +173,27 @@ impl Material {
             Material::OrenNayar(diffuse) => diffuse.reflectance(),
             Material::BlinnPhong(phong) => phong.albedo(),
             Material::Conductor(metal) => metal.albedo(),
+        }
+    }
+
+    /// The same with its own colour multiplied by another: what a matt part, or a mirror or metal, gives back. Glass has none.
+    pub fn tinted(&self, tint: Albedo) -> Material {
+        match *self {
+            Material::Black | Material::Dielectric(_) | Material::RoughDielectric(_) => *self,
+            Material::Lambert { albedo, two_sided } => Material::Lambert {
+                albedo: albedo.times(tint),
+                two_sided,
+            },
+            Material::Mirror {
+                reflectance,
+                two_sided,
+            } => Material::Mirror {
+                reflectance: reflectance.times(tint),
+                two_sided,
+            },
+            Material::OrenNayar(diffuse) => Material::OrenNayar(diffuse.tinted(tint)),
+            Material::BlinnPhong(phong) => Material::BlinnPhong(phong.tinted(tint)),
+            Material::Conductor(metal) => Material::Conductor(metal.tinted(tint)),
         }
     }
 

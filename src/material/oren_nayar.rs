@@ -119,6 +119,15 @@ impl OrenNayar {
         }
     }
 
+    pub(super) fn tinted(self, tint: Albedo) -> OrenNayar {
+        // Its light reflected twice has another colour, too.
+        let sigma = Turn::from_bits(u32::from(self.sigma.to_bits()) << 15);
+        OrenNayar {
+            two_sided: self.two_sided,
+            ..OrenNayar::new(self.model, self.reflectance.times(tint), sigma)
+        }
+    }
+
     pub fn model(&self) -> OrenNayarModel {
         self.model
     }

@@ -1,10 +1,10 @@
 use super::arrange::{Boxed, arrange};
-use super::{Mesh, Parts, Scene, SceneError, Shape};
+use super::{Mesh, Parts, Scene, SceneError, Shape, Tint};
 use crate::bvh::Node;
 use crate::color::Radiance;
 use crate::geom::Unit;
 use crate::light::{Environment, Light};
-use crate::material::Material;
+use crate::material::{Material, Texture};
 use crate::shape::{Blob, Geometry};
 use heapless::Vec;
 
@@ -17,6 +17,8 @@ pub struct MaterialId(u16);
 pub struct Borrowed<'a> {
     /// Shapes name them as [`Geometry::Mesh`].
     pub meshes: &'a [Mesh<'a>],
+    /// Shapes name them as [`Tint::Texture`].
+    pub textures: &'a [Texture<'a>],
     /// What metaballs and smooth unions are made of.
     pub blobs: &'a [Blob],
     /// A sky or a map; a constant environment is a [`Light`].
@@ -77,6 +79,20 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
         self.push(geometry.into(), material, None)
     }
 
+    /// A mesh, or an instance of one, in the colours of its vertices or of a texture.
+    pub fn tinted(
+        &mut self,
+        geometry: impl Into<Geometry>,
+        material: MaterialId,
+        tint: Tint,
+    ) -> Result<(), SceneError> {
+        self.push(geometry.into(), material, None)?;
+        if let Some(shape) = self.shapes.last_mut() {
+            shape.tint = tint;
+        }
+        Ok(())
+    }
+
     /// A shape that emits `radiance` on the side of its normal.
     pub fn emitter(
         &mut self,
@@ -116,6 +132,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             geometry,
             material: material.0,
             light,
+            tint: Tint::None,
             id,
         };
         self.shapes.push(shape).map_err(|_| SceneError::Full {
@@ -152,6 +169,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
     ) -> Result<Scene<'a>, SceneError> {
         let Borrowed {
             meshes,
+            textures,
             blobs,
             environment,
         } = borrowed;
@@ -179,6 +197,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             environment,
             choice: &[],
             meshes,
+            textures,
             blobs,
             grid: found.grid,
             nodes: nodes.get(..found.nodes).unwrap_or(&[]),

@@ -1,12 +1,12 @@
 use super::arrange::{coarsest, finite_box, reach, rectangle_reach, shape_bounds};
 use super::distant::Ball;
-use super::{Parts, Scene};
+use super::{Parts, Scene, Tint};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::geom::{Dir, Point, REACH};
 use crate::light::{Environment, Light};
-use crate::material::MaterialError;
+use crate::material::{MaterialError, TextureError};
 use crate::num::ONE_Q16;
-use crate::shape::{Blob, Geometry, Grid, ImplicitError};
+use crate::shape::{Blob, Geometry, Grid, ImplicitError, Layers};
 
 /// Why a scene can't be rendered. Shapes are named by the user's number, materials and lights by their index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,12 @@ pub enum SceneError {
     Choice { needed: usize },
     /// Nothing in the scene emits light.
     NoLight,
+    /// Something of the texture is wrong.
+    Texture { texture: u16, error: TextureError },
+    /// The shape's texture does not exist.
+    NoSuchTexture { shape: u16, texture: u16 },
+    /// The shape is no mesh, or one whose vertices have no colours, or no places in a texture.
+    NoTint { shape: u16 },
     /// The shape's mesh does not exist.
     NoSuchMesh { shape: u16, mesh: u16 },
     /// The mesh or the tree over it is wrong.
@@ -106,6 +112,14 @@ impl core::fmt::Display for SceneError {
                     "the choice of lights: {needed} bounds that rise are needed, or none"
                 )
             }
+            Self::Texture { texture, error } => write!(f, "texture {texture}: {error}"),
+            Self::NoSuchTexture { shape, texture } => {
+                write!(f, "shape {shape}: there is no texture {texture}")
+            }
+            Self::NoTint { shape } => write!(
+                f,
+                "shape {shape}: only a mesh with colours or uvs can have other colours than its material's"
+            ),
             Self::NoSuchMesh { shape, mesh } => write!(f, "shape {shape}: there is no mesh {mesh}"),
             Self::Mesh { mesh, error } => write!(f, "mesh {mesh}: {error}"),
             Self::Grid { mesh } => write!(f, "mesh {mesh}: its grid is coarser than the scene's"),
@@ -133,6 +147,8 @@ impl SceneError {
             | Self::Thin { shape }
             | Self::Blobs { shape }
             | Self::NoSuchMesh { shape, .. }
+            | Self::NoSuchTexture { shape, .. }
+            | Self::NoTint { shape }
             | Self::Order { shape }
             | Self::PlaneLight { shape }
             | Self::InstanceLight { shape } => Some(shape),
@@ -147,6 +163,12 @@ impl<'a> Scene<'a> {
         for (index, material) in parts.materials.iter().enumerate() {
             material.check().map_err(|error| SceneError::Material {
                 material: index as u16,
+                error,
+            })?;
+        }
+        for (index, texture) in parts.textures.iter().enumerate() {
+            texture.check().map_err(|error| SceneError::Texture {
+                texture: index as u16,
                 error,
             })?;
         }
@@ -170,6 +192,21 @@ impl<'a> Scene<'a> {
                         return Err(SceneError::TooFar { shape: shape.id });
                     }
                 }
+            }
+            let mesh = mesh_of(&shape.geometry).and_then(|mesh| parts.meshes.get(mesh as usize));
+            let has = |layer| mesh.is_some_and(|mesh| mesh.triangles.layers().has(layer));
+            match shape.tint {
+                Tint::None => {}
+                Tint::Vertices if has(Layers::COLORS) => {}
+                Tint::Texture(texture) if has(Layers::UVS) => {
+                    if texture as usize >= parts.textures.len() {
+                        return Err(SceneError::NoSuchTexture {
+                            shape: shape.id,
+                            texture,
+                        });
+                    }
+                }
+                Tint::Vertices | Tint::Texture(_) => return Err(SceneError::NoTint { shape: shape.id }),
             }
             if shape.material as usize >= parts.materials.len() {
                 return Err(SceneError::NoSuchMaterial {

@@ -17,10 +17,10 @@ mod power;
 mod query;
 
 use crate::bvh::Node;
-use crate::color::Radiance;
+use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
-use crate::material::{BsdfSample, Local, Material};
+use crate::material::{BsdfSample, Local, Material, Texture};
 use crate::num::{Uniform, Wide};
 use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 
@@ -40,8 +40,20 @@ pub struct Shape {
     pub material: u16,
     /// Index of the area light that the shape is.
     pub light: Option<u16>,
+    pub tint: Tint,
     /// The user's number for it: what errors and the `id` layer name.
     pub id: u16,
+}
+
+/// What the material's own colour is multiplied by ([`Material::tinted`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Tint {
+    #[default]
+    None,
+    /// The colours of the mesh's vertices.
+    Vertices,
+    /// Index into the scene's textures; the mesh's vertices say where in it they are.
+    Texture(u16),
 }
 
 /// A triangle mesh with the tree over it.
@@ -68,6 +80,7 @@ pub struct Parts<'a> {
     /// ([`Scene::choose_by_power`] makes them); evenly if there are none.
     pub choice: &'a [u32],
     pub meshes: &'a [Mesh<'a>],
+    pub textures: &'a [Texture<'a>],
     /// What metaballs and smooth unions are made of.
     pub blobs: &'a [Blob],
     /// Around the finite shapes.
@@ -107,6 +120,8 @@ pub struct Vertex<'a> {
     pub surface: Surface,
     /// Of a mesh with smooth normals: the one between them.
     pub shading: Option<Dir>,
+    /// What the material's own colour is multiplied by, if anything.
+    pub tint: Option<Albedo>,
     /// Back along the ray.
     pub wo: Dir,
     pub material: &'a Material,
@@ -160,7 +175,10 @@ impl Vertex<'_> {
         if self.leaks(&local, wi) {
             return None;
         }
-        self.material.eval(&local, wi)
+        match self.tint {
+            None => self.material.eval(&local, wi),
+            Some(tint) => self.material.tinted(tint).eval(&local, wi),
+        }
     }
 
     /// [`Material::pdf`] of `wi`, coming along `wo`.
@@ -177,8 +195,19 @@ impl Vertex<'_> {
     #[inline]
     pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
         let local = self.local(self.wo);
-        let sample = self.material.sample(&local, u, lobe)?;
+        let sample = match self.tint {
+            None => self.material.sample(&local, u, lobe),
+            Some(tint) => self.material.tinted(tint).sample(&local, u, lobe),
+        }?;
         (!self.leaks(&local, sample.wi)).then_some(sample)
+    }
+
+    /// [`Material::albedo`].
+    pub fn albedo(&self) -> Albedo {
+        match self.tint {
+            None => self.material.albedo(),
+            Some(tint) => self.material.tinted(tint).albedo(),
+        }
     }
 
     /// [`Material::eta_squared`].
@@ -283,11 +312,13 @@ impl<'a> Scene<'a> {
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
         let shape = self.parts.shapes.get(hit.shape as usize);
-        let mut shading = None;
+        let mut said = Said::default();
         let surface = shape
             .and_then(|shape| match shape.geometry {
-                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit, &mut shading),
-                Geometry::Instance(ref instance) => self.instance_surface(instance, hit, &mut shading),
+                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit, shape.tint, &mut said),
+                Geometry::Instance(ref instance) => {
+                    self.instance_surface(instance, hit, shape.tint, &mut said)
+                }
                 Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
@@ -307,7 +338,8 @@ impl<'a> Scene<'a> {
         };
         Vertex {
             surface,
-            shading,
+            shading: said.shading,
+            tint: said.tint,
             wo,
             material: material.unwrap_or(&Material::Black),
             light,
@@ -413,10 +445,16 @@ impl<'a> Scene<'a> {
     }
 
     #[inline(never)]
-    fn instance_surface(&self, instance: &Instance, hit: &Hit, shading: &mut Option<Dir>) -> Option<Surface> {
+    fn instance_surface(
+        &self,
+        instance: &Instance,
+        hit: &Hit,
+        tint: Tint,
+        said: &mut Said,
+    ) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(instance.mesh as usize)?.triangles;
-        let local = self.mesh_surface(instance.mesh, hit, shading)?;
-        *shading = shading.map(|normal| instance.direction(normal));
+        let local = self.mesh_surface(instance.mesh, hit, tint, said)?;
+        said.shading = said.shading.map(|normal| instance.direction(normal));
         Some(Surface {
             point: instance.place(local.point),
             normal: instance.direction(local.normal),
@@ -424,7 +462,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    fn mesh_surface(&self, mesh: u16, hit: &Hit, shading: &mut Option<Dir>) -> Option<Surface> {
+    fn mesh_surface(&self, mesh: u16, hit: &Hit, tint: Tint, said: &mut Said) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         let [b1, b2] = hit.barycentric;
         let hit = MeshHit {
@@ -434,12 +472,27 @@ impl<'a> Scene<'a> {
             b2,
         };
         if mesh.is_smooth() {
-            *shading = mesh.shading_normal(&hit);
+            said.shading = mesh.shading_normal(&hit);
         }
+        said.tint = match tint {
+            Tint::None => None,
+            Tint::Vertices => mesh.color(&hit),
+            Tint::Texture(texture) => {
+                let texture = self.parts.textures.get(texture as usize)?;
+                mesh.uv(&hit).map(|uv| texture.at(uv))
+            }
+        };
         Some(Surface {
             point: mesh.point(&hit)?,
             normal: mesh.normal(hit.triangle)?,
             lift: mesh.offset(),
         })
     }
+}
+
+/// What a mesh says of a hit beside where it is.
+#[derive(Default)]
+struct Said {
+    shading: Option<Dir>,
+    tint: Option<Albedo>,
 }

@@ -30,7 +30,7 @@ pub struct MeshHit {
 pub enum MeshError {
     /// This vertex lies within [`Grid::MARGIN`] steps of the cube's faces.
     Margin { vertex: u32 },
-    /// There are normals, but not one for each vertex.
+    /// There are normals, colours or places in a texture, but not one for each vertex.
     Attributes,
     /// This triangle (in a packed mesh: this leaf, by its first triangle) names a vertex there is not.
     Index { triangle: u32 },
@@ -52,7 +52,7 @@ impl core::fmt::Display for MeshError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Self::Margin { vertex } => write!(f, "vertex {vertex} lies too near a face of its cube"),
-            Self::Attributes => f.write_str("its normals are not one for each vertex"),
+            Self::Attributes => f.write_str("its normals, colours or uvs are not one for each vertex"),
             Self::Index { triangle } => write!(f, "triangle {triangle} names a vertex there is not"),
             Self::Corner { triangle } => {
                 write!(f, "triangle {triangle} has a corner too near a face of its cube")

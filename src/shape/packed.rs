@@ -208,17 +208,30 @@ impl<'a> PackedMesh<'a> {
             .get(..stride)
     }
 
-    /// Of the corners of the triangle with a number; `None` for flat faces.
-    pub(crate) fn normals(&self, triangle: u32) -> Option<[Octahedral; 3]> {
-        if !self.layers.has(Layers::NORMALS) {
+    /// What the corners of the triangle with a number say in one of the layers; `None` if it has it not.
+    fn layer<T: FromBytes>(&self, triangle: u32, layer: Layers) -> Option<[T; 3]> {
+        if !self.layers.has(layer) {
             return None;
         }
         let (treelet, [a, b, c]) = self.indices(triangle)?;
-        let normal = |index| {
-            let said = self.said(treelet, index)?;
-            Octahedral::read_from_prefix(said).ok().map(|(normal, _)| normal)
+        let one = |index| {
+            let said = self.said(treelet, index)?.get(self.layers.before(layer)..)?;
+            T::read_from_prefix(said).ok().map(|(value, _)| value)
         };
-        Some([normal(a)?, normal(b)?, normal(c)?])
+        Some([one(a)?, one(b)?, one(c)?])
+    }
+
+    pub(crate) fn normals(&self, triangle: u32) -> Option<[Octahedral; 3]> {
+        self.layer(triangle, Layers::NORMALS)
+    }
+
+    pub(crate) fn colors(&self, triangle: u32) -> Option<[[u8; 3]; 3]> {
+        self.layer(triangle, Layers::COLORS)
+    }
+
+    pub(crate) fn uvs(&self, triangle: u32) -> Option<[[i16; 2]; 3]> {
+        let bytes: [[[u8; 2]; 2]; 3] = self.layer(triangle, Layers::UVS)?;
+        Some(bytes.map(|uv| uv.map(i16::from_le_bytes)))
     }
 
     /// Each leaf in the order of the stream: block, place in it, triangles. It ends where the stream does, or makes no

@@ -53,6 +53,8 @@ pub enum Corner {
 /// What happens, in its order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step<'a> {
+    /// A cell is cut along the line of the polygon's edge that begins at this point. All cuts come before all pieces.
+    Cut(u16),
     /// A convex piece of the inside, counter-clockwise; corners of neighbours within its sides are not listed.
     Piece(&'a [Corner]),
     /// A triangle peeled off a piece, counter-clockwise.
@@ -207,7 +209,7 @@ impl<const N: usize> Workspace<N> {
     pub fn triangulate(&mut self, polygon: &Polygon, mut step: impl FnMut(Step)) -> Result<(), PolygonError> {
         let edges = Edges::new(polygon)?;
         self.pieces.clear();
-        self.cut(&edges)?;
+        self.cut(&edges, &mut step)?;
         let mut end = self.pieces.len();
         while let Some(cell) = last(&self.pieces[..end]) {
             self.cell.clear();
@@ -220,7 +222,7 @@ impl<const N: usize> Workspace<N> {
     }
 
     /// Cuts cells until no edge reaches into any; those inside are left in `pieces`.
-    fn cut(&mut self, edges: &Edges) -> Result<(), PolygonError> {
+    fn cut(&mut self, edges: &Edges, step: &mut impl FnMut(Step)) -> Result<(), PolygonError> {
         self.pending.clear();
         let first = edges.count();
         room::<N, _>(push_cell(
@@ -233,6 +235,7 @@ impl<const N: usize> Workspace<N> {
             self.pending.truncate(self.pending.len() - self.cell.len() - 1);
             match (0..first).find(|edge| edges.reaches_into(*edge, &self.cell)) {
                 Some(edge) => {
+                    step(Step::Cut(edge));
                     for side in [edge << 1, edge << 1 | 1] {
                         room::<N, _>(push_cell(&mut self.pending, edges.part(&self.cell, side)))?;
                     }

@@ -3,8 +3,9 @@ use super::grid::{Bounds, Grid};
 use super::mesh::{MeshHit, TriangleMesh, corners};
 use super::packed::{PackedMesh, Strip};
 use super::triangle::Edge;
+use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
-use crate::num::{ONE_Q16, Wide, mul_q16};
+use crate::num::{ONE_Q16, Share, Wide, mul_q16};
 
 /// The triangles of a mesh, either as they are indexed or packed into few bytes.
 ///
@@ -58,9 +59,7 @@ impl<'a> Triangles<'a> {
     pub fn bytes(&self) -> usize {
         match self {
             Triangles::Plain(mesh) => {
-                size_of_val(mesh.vertices)
-                    + size_of_val(mesh.triangles)
-                    + size_of_val(mesh.attributes.normals)
+                size_of_val(mesh.vertices) + size_of_val(mesh.triangles) + mesh.attributes.bytes()
             }
             Triangles::Packed(mesh) => size_of_val(mesh.treelets) + mesh.vertices.len() + mesh.leaves.len(),
         }
@@ -111,6 +110,15 @@ impl<'a> Triangles<'a> {
         Some(cross.normalize()?.0)
     }
 
+    /// What its vertices say beside where they are.
+    #[inline]
+    pub fn layers(&self) -> Layers {
+        match self {
+            Triangles::Plain(mesh) => mesh.attributes.layers(),
+            Triangles::Packed(mesh) => mesh.layers,
+        }
+    }
+
     /// Whether it has normals for smooth shading.
     #[inline]
     pub const fn is_smooth(&self) -> bool {
@@ -123,13 +131,48 @@ impl<'a> Triangles<'a> {
     /// The corners' normals; `None` for flat faces.
     pub fn normals(&self, triangle: u32) -> Option<[Octahedral; 3]> {
         match self {
-            Triangles::Plain(mesh) => {
-                let normals = mesh.attributes.normals;
-                let [a, b, c] = mesh.triangles.get(triangle as usize)?.map(usize::from);
-                Some([*normals.get(a)?, *normals.get(b)?, *normals.get(c)?])
-            }
+            Triangles::Plain(mesh) => of_corners(mesh, mesh.attributes.normals, triangle),
             Triangles::Packed(mesh) => mesh.normals(triangle),
         }
+    }
+
+    /// The corners' colours, sRGB; `None` if they have none.
+    pub fn colors(&self, triangle: u32) -> Option<[[u8; 3]; 3]> {
+        match self {
+            Triangles::Plain(mesh) => of_corners(mesh, mesh.attributes.colors, triangle),
+            Triangles::Packed(mesh) => mesh.colors(triangle),
+        }
+    }
+
+    /// The corners' places in a texture, in steps of 2^-12; `None` if they have none.
+    pub fn uvs(&self, triangle: u32) -> Option<[[i16; 2]; 3]> {
+        match self {
+            Triangles::Plain(mesh) => of_corners(mesh, mesh.attributes.uvs, triangle),
+            Triangles::Packed(mesh) => mesh.uvs(triangle),
+        }
+    }
+
+    /// The colour between the corners' colours, by the weights of a hit: of light, not of signals; each share right to 2
+    /// steps.
+    #[inline(never)]
+    pub fn color(&self, hit: &MeshHit) -> Option<Albedo> {
+        let [a, b, c] = self.colors(hit.triangle)?.map(Albedo::from_srgb);
+        let first = ONE_Q16 - hit.b1 - hit.b2;
+        Some(Albedo([0, 1, 2].map(|i| {
+            let part = |of: Albedo, weight: i32| of.0[i].to_bits() as u32 * weight as u32;
+            // Shares of 2^15 and weights of 2^16 together: 2^31 at most.
+            let sum = part(a, first) + part(b, hit.b1) + part(c, hit.b2) + (1 << 15);
+            Share::from_bits((sum >> 16) as u16)
+        })))
+    }
+
+    /// The place in a texture between the corners', by the weights of a hit: Q16, right to 2 steps.
+    #[inline(never)]
+    pub fn uv(&self, hit: &MeshHit) -> Option<[i32; 2]> {
+        let [a, b, c] = self
+            .uvs(hit.triangle)?
+            .map(|uv| uv.map(|part| i32::from(part) << 4));
+        Some([0, 1].map(|i| a[i] + mul_q16(b[i] - a[i], hit.b1) + mul_q16(c[i] - a[i], hit.b2)))
     }
 
     /// The normal for shading between the corners' normals, by the weights of a hit (Phong 1975); `None` for flat faces,
@@ -200,6 +243,12 @@ impl<'a> Triangles<'a> {
         let (cross, shift) = Edge::shorten(parts);
         Some((Offset(cross), shift))
     }
+}
+
+/// What the corners of a triangle have in a list with one for each vertex.
+fn of_corners<T: Copy>(mesh: &TriangleMesh, list: &[T], triangle: u32) -> Option<[T; 3]> {
+    let [a, b, c] = mesh.triangles.get(triangle as usize)?.map(usize::from);
+    Some([*list.get(a)?, *list.get(b)?, *list.get(c)?])
 }
 
 /// The triangles of one leaf, one after the other.

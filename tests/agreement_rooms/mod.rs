@@ -251,7 +251,10 @@ impl Room {
             grid,
             vertices: &vertices,
             triangles: &triangles,
-            attributes: Attributes { normals: &normals },
+            attributes: Attributes {
+                normals: &normals,
+                ..Attributes::NONE
+            },
         };
         let meshes = [Mesh {
             triangles: bowl.into(),

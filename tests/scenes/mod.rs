@@ -8,7 +8,7 @@ use microlux::material::{
     BlinnPhong, Conductor, Dielectric, Index, Material, OrenNayar, OrenNayarModel, RoughDielectric,
 };
 use microlux::num::{Metres, Share, Turn};
-use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, arrange};
+use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Shape, Tint, arrange};
 use microlux::shape::{
     Attributes, Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Instance, Metaballs, Plane,
     Rectangle, RoundedBox, SmoothUnion, Sphere, Torus, TriangleMesh,
@@ -344,6 +344,7 @@ impl Draft {
                 geometry,
                 material: random.below(materials.len()) as u16,
                 light: emits.then_some(lights.len() as u16),
+                tint: Tint::None,
                 id,
             });
             if emits {
@@ -413,6 +414,7 @@ impl Draft {
             environment: Environment::None,
             choice: &[],
             meshes,
+            textures: &[],
             blobs: &self.blobs,
             grid: self.arrangement.grid,
             nodes: &self.nodes,

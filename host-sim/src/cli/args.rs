@@ -19,6 +19,7 @@ Examples:
   host-sim compare cornell --diff diff.png     fixed point against f64, in numbers and as a picture
   host-sim info bunny.obj                      how much flash and RAM a board needs for it
   host-sim bake bunny.obj -o bunny.mlx         its bytes for the board
+  host-sim polygon star -o star.svg            how a polygon becomes triangles, step by step
   host-sim report -o report                    everything at once, on a page: report/report.html
 
 Each command has its own help, with more examples: host-sim render --help";
@@ -38,6 +39,7 @@ pub enum Command {
     Compare(CompareArgs),
     Info(InfoArgs),
     Bake(BakeArgs),
+    Polygon(PolygonArgs),
     Report(ReportArgs),
     /// List the built-in scenes, one line each
     Scenes,
@@ -94,6 +96,30 @@ pub struct RenderArgs {
     pub quiet: bool,
     #[command(flatten)]
     pub settings: Settings,
+}
+
+const POLYGON_EXAMPLES: &str = "\
+POLYGON is convex, comb, hole, star or spiral, or a text file: a point a line, x and y, an empty line between rings. What \
+an odd number of rings goes around is inside. The picture has a frame for each step (of more than 60, for some): the lines \
+that cells are cut along, the strictly convex pieces that are left, and the triangles that are peeled off each.
+
+Examples:
+  host-sim polygon comb -o comb.svg
+  host-sim polygon outline.txt -o steps.svg";
+
+/// Cut a polygon into triangles as the core does, and draw each step.
+#[derive(Debug, Args)]
+#[command(after_help = POLYGON_EXAMPLES, after_long_help = POLYGON_EXAMPLES)]
+pub struct PolygonArgs {
+    /// A name, or a file.
+    #[arg(value_name = "POLYGON")]
+    pub polygon: String,
+    /// Write the steps; .svg.
+    #[arg(short, long, value_name = "FILE", default_value = "polygon.svg")]
+    pub output: PathBuf,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 const COMPARE_EXAMPLES: &str = "\

@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod compare;
 mod info;
+mod polygon;
 mod progress;
 mod render;
 mod report;
@@ -32,6 +33,7 @@ pub fn main() -> ExitCode {
         Command::Compare(args) => compare::compare(&args),
         Command::Info(args) => info::info(&args),
         Command::Bake(args) => bake::bake(&args),
+        Command::Polygon(args) => polygon::polygon(&args),
         Command::Report(args) => report::report(&args),
         Command::Scenes => scenes(),
     };

@@ -151,6 +151,8 @@ impl Affine {
                 .iter()
                 .map(|&n| unit(self.normal(n)).unwrap_or(n))
                 .collect(),
+            colors: mesh.colors.clone(),
+            uvs: mesh.uvs.clone(),
         }
     }
 

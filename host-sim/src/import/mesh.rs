@@ -14,6 +14,10 @@ pub(super) struct RawMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One a position, of any length; or empty.
     pub normals: Vec<Vec3>,
+    /// One a position, linear, 0 to 1; or empty.
+    pub colors: Vec<Vec3>,
+    /// One a position, v down from the picture's first row; or empty.
+    pub uvs: Vec<[f64; 2]>,
     /// What the user should know, without the file name.
     pub notes: Vec<String>,
 }
@@ -66,7 +70,7 @@ impl RawMesh {
             parts.entry(part).or_default().triangles.push(triangle);
         }
         for mesh in parts.values_mut() {
-            *mesh = weld(&mesh.triangles, &vertices, &normals);
+            *mesh = weld(&mesh.triangles, &vertices, &normals, self);
         }
         (parts, dropped)
     }
@@ -132,18 +136,28 @@ fn smooth_normals(vertices: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
         .collect()
 }
 
-/// Joins vertices that are equal bit for bit in position and normal, and drops those no triangle uses.
-fn weld(triangles: &[[u32; 3]], vertices: &[Vec3], normals: &[Vec3]) -> MeshDesc {
+/// Joins vertices that are equal bit for bit in all they say, and drops those no triangle uses.
+fn weld(triangles: &[[u32; 3]], vertices: &[Vec3], normals: &[Vec3], raw: &RawMesh) -> MeshDesc {
     // Adding zero makes -0 into +0.
-    let key = |v: Vec3| v.map(|x| (x + 0.0).to_bits());
+    let bits = |x: f64| (x + 0.0).to_bits();
     let mut seen = HashMap::new();
     let mut welded = MeshDesc::default();
     for &triangle in triangles {
         welded.triangles.push(triangle.map(|index| {
-            let (vertex, normal) = (vertices[index as usize], normals.get(index as usize).copied());
-            *seen.entry((key(vertex), normal.map(key))).or_insert_with(|| {
+            let index = index as usize;
+            let (vertex, normal) = (vertices[index], normals.get(index).copied());
+            let (color, uv) = (raw.colors.get(index).copied(), raw.uvs.get(index).copied());
+            let key = (
+                vertex.map(bits),
+                normal.map(|v| v.map(bits)),
+                color.map(|c| c.map(bits)),
+                uv.map(|uv| uv.map(bits)),
+            );
+            *seen.entry(key).or_insert_with(|| {
                 welded.vertices.push(vertex);
                 welded.normals.extend(normal);
+                welded.colors.extend(color);
+                welded.uvs.extend(uv);
                 (welded.vertices.len() - 1) as u32
             })
         }));

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::error::ImportError;
 use super::pbr::{MAX_EXPONENT, Mapped, Pbr};
 use super::texture::{self, Mean};
-use crate::desc::{BsdfDesc, Vec3};
+use crate::desc::{BsdfDesc, TintDesc, Vec3};
 
 /// What a material says; `None` where it does not.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +28,8 @@ pub(super) struct Mtl {
     illumination: Option<f64>,
     /// Statement and file.
     textures: Vec<(String, String)>,
+    /// What its diffuse colour is multiplied by.
+    pub tint: Option<TintDesc>,
     pub losses: Vec<String>,
 }
 
@@ -140,10 +142,25 @@ impl Mtl {
         held
     }
 
-    /// Its textures by their means; `folder` is where they lie.
-    pub fn mean_textures(&mut self, folder: &Path) {
+    /// Its textures by their means, but the diffuse one as it is if the mesh says where in it it is; `folder` is where they
+    /// lie.
+    pub fn read_textures(&mut self, folder: &Path, has_uvs: bool) {
         for (statement, file) in std::mem::take(&mut self.textures) {
             let told = match statement.as_str() {
+                "map_Kd" if has_uvs && !self.is_glass() => {
+                    let bytes = std::fs::read(folder.join(&file)).map_err(|_| "cannot be read".to_string());
+                    match bytes.and_then(|bytes| texture::decode(&file, &bytes, false, false)) {
+                        Ok(texture) => {
+                            self.diffuse = self.diffuse.or(Some([1.0; 3]));
+                            self.tint = Some(TintDesc::Texture {
+                                texture,
+                                to_uv: TintDesc::IN_PLACE,
+                            });
+                            continue;
+                        }
+                        Err(what) => format!("{statement} is left out: {file} {what}"),
+                    }
+                }
                 "map_Kd" | "map_Ks" | "map_Ke" | "map_Pr" | "map_Pm" => {
                     let bytes = std::fs::read(folder.join(&file)).map_err(|_| "cannot be read".to_string());
                     match bytes.and_then(|bytes| texture::mean(&bytes)) {
@@ -347,7 +364,7 @@ mod tests {
         let lamp = one("Kd 1.5 0 0\nKe 12 6 0\nmap_Kd -s 2 2 1 -bm 0.5 no such.png\nbump b.png\nnorm n.png");
         assert_eq!(lamp.emission(), Some([12.0, 6.0, 0.0]));
         let mut lamp = lamp;
-        lamp.mean_textures(Path::new("/nowhere"));
+        lamp.read_textures(Path::new("/nowhere"), false);
         assert_eq!(
             lamp.losses,
             [

@@ -335,17 +335,28 @@ impl Cut {
         (ours - theirs).abs() <= 6.0 * moved as f64 / f64::from(RANGE)
     }
 
-    /// New corners stand in the face's plane, with the mean of its normals.
+    /// New corners stand in the face's plane, with the mean of what its corners say.
     fn append(&self, raw: &mut RawMesh, ring: &[u32], shadow: &Shadow) {
         let mut made: BTreeMap<[i32; 2], u32> = BTreeMap::new();
         let given = ring.iter().filter_map(|i| raw.normals.get(*i as usize));
         let mean = given.copied().fold([0.0; 3], add);
+        let share = 1.0 / ring.len() as f64;
+        let color = ring.iter().filter_map(|i| raw.colors.get(*i as usize));
+        let color = scaled(color.copied().fold([0.0; 3], add), share);
+        let uv = ring.iter().filter_map(|i| raw.uvs.get(*i as usize));
+        let uv = uv.fold([0.0; 2], |sum, uv| [0, 1].map(|i| sum[i] + share * uv[i]));
         for triangle in &self.triangles {
             let corners = triangle.map(|corner| match corner {
                 Corner::Vertex(index) => ring[index as usize],
                 Corner::Crossing(place) => *made.entry(place).or_insert_with(|| {
                     if !raw.normals.is_empty() {
                         raw.normals.push(mean);
+                    }
+                    if !raw.colors.is_empty() {
+                        raw.colors.push(color);
+                    }
+                    if !raw.uvs.is_empty() {
+                        raw.uvs.push(uv);
                     }
                     raw.positions
                         .push(shadow.lifted(Self::place(corner, &shadow.points)));

@@ -80,7 +80,9 @@ fn parse(path: &Path, text: &str) -> Result<Parts, ImportError> {
 struct File {
     positions: Vec<Vec3>,
     normals: Vec<Vec3>,
-    textures: i64,
+    textures: Vec<[f64; 2]>,
+    /// One a position, once one has been seen.
+    colors: Vec<Vec3>,
     faces: Vec<Face>,
     materials: Vec<String>,
     libraries: Vec<(u32, String)>,
@@ -101,11 +103,23 @@ fn statements(path: &Path, text: &str) -> Result<File, ImportError> {
         let refuse = |message: String| ImportError::at(path, *line, message);
         let wrong = |what: String| refuse(format!("{statement}: {what}"));
         match statement {
-            "v" => file.positions.push(numbers(words).map_err(wrong)?),
+            "v" => {
+                let numbers: Vec<&str> = words.collect();
+                file.positions.push(numbers_of(&numbers).map_err(wrong)?);
+                // As some exporters write them: x y z r g b.
+                if let [_, _, _, color @ ..] = &numbers[..]
+                    && color.len() == 3
+                {
+                    let color: Vec3 = numbers_of(color).map_err(wrong)?;
+                    file.colors.resize(file.positions.len() - 1, [1.0; 3]);
+                    file.colors.push(color.map(|c| c.clamp(0.0, 1.0)));
+                }
+            }
             "vn" => file.normals.push(numbers(words).map_err(wrong)?),
             "vt" => {
-                numbers::<1>(words).map_err(wrong)?;
-                file.textures += 1;
+                let [u, v] = texture(words).map_err(wrong)?;
+                // From the picture's last row up, as Mitsuba reads it.
+                file.textures.push([u, 1.0 - v]);
             }
             "f" => file.faces.push(Face {
                 line: *line,
@@ -140,20 +154,24 @@ impl File {
     fn counts(&self) -> Counts {
         Counts {
             v: self.positions.len() as i64,
-            vt: self.textures,
+            vt: self.textures.len() as i64,
             vn: self.normals.len() as i64,
         }
     }
 
-    /// Corners that name the same become one vertex. Texture coordinates tell vertices apart (as in Mitsuba), their values
-    /// mean nothing here. Normals stay only if every corner has one: half a set would leave the rest undefined.
-    fn mesh(self, path: &Path) -> Result<Parts, ImportError> {
+    /// Corners that name the same become one vertex. Texture coordinates tell vertices apart (as in Mitsuba). Normals and
+    /// they stay only if every corner has one: half a set would leave the rest undefined.
+    fn mesh(mut self, path: &Path) -> Result<Parts, ImportError> {
         let corners = || self.faces.iter().flat_map(|face| &face.corners);
         let complete = corners().all(|corner| corner.vn.is_some());
+        let placed = corners().all(|corner| corner.vt.is_some());
         let mut raw = RawMesh::default();
         if !complete && corners().any(|corner| corner.vn.is_some()) {
             let note = "some corners have no normal; all normals are computed instead";
             raw.notes.push(note.to_string());
+        }
+        if !self.colors.is_empty() {
+            self.colors.resize(self.positions.len(), [1.0; 3]);
         }
         let mut known: HashMap<[Option<i64>; 3], u32> = HashMap::new();
         let mut cutter = Cutter::new();
@@ -168,6 +186,9 @@ impl File {
                     .or_insert_with(|| {
                         raw.positions.push(self.positions[corner.v as usize - 1]);
                         raw.normals.extend(normal.map(|vn| self.normals[vn as usize - 1]));
+                        raw.colors.extend(self.colors.get(corner.v as usize - 1));
+                        let uv = corner.vt.filter(|_| placed);
+                        raw.uvs.extend(uv.map(|vt| self.textures[vt as usize - 1]));
                         (raw.positions.len() - 1) as u32
                     });
                 face_indices.push(*index);
@@ -224,6 +245,19 @@ fn numbers<'a, const N: usize>(words: impl Iterator<Item = &'a str>) -> Result<[
     match count {
         _ if count == N => Ok(found),
         _ => Err(format!("has {count} of {N} numbers; add the rest")),
+    }
+}
+
+fn numbers_of<const N: usize>(words: &[&str]) -> Result<[f64; N], String> {
+    numbers(words.iter().copied())
+}
+
+/// u, and v if it is given.
+fn texture<'a>(words: impl Iterator<Item = &'a str>) -> Result<[f64; 2], String> {
+    let words: Vec<&str> = words.collect();
+    match words.len() {
+        0 | 1 => numbers_of::<1>(&words).map(|[u]| [u, 0.0]),
+        _ => numbers_of(&words),
     }
 }
 

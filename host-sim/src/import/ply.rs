@@ -41,6 +41,16 @@ fn parse(path: &Path, source: impl std::io::BufRead) -> Result<RawMesh, ImportEr
                 {
                     raw.normals = vertices.iter().map(|v| v.normal).collect();
                 }
+                let has = |names: &[&str]| names.iter().all(|n| element.properties.contains_key(*n));
+                if has(&["red", "green", "blue"]) || has(&["r", "g", "b"]) {
+                    raw.colors = vertices
+                        .iter()
+                        .map(|v| v.color.map(|c| c.clamp(0.0, 1.0)))
+                        .collect();
+                }
+                if has(&["u", "v"]) || has(&["s", "t"]) {
+                    raw.uvs = vertices.iter().map(|v| v.uv).collect();
+                }
             }
             "face" => {
                 faces = Parser::<Face>::new()
@@ -55,7 +65,14 @@ fn parse(path: &Path, source: impl std::io::BufRead) -> Result<RawMesh, ImportEr
         }
     }
 
-    for (i, vertex) in raw.positions.iter().chain(&raw.normals).enumerate() {
+    let uvs = raw.uvs.iter().map(|[u, v]| [*u, *v, 0.0]);
+    let all = raw
+        .positions
+        .iter()
+        .chain(&raw.normals)
+        .chain(&raw.colors)
+        .copied();
+    for (i, vertex) in all.chain(uvs).enumerate() {
         if !vertex.iter().all(|x| x.is_finite()) {
             let index = i % raw.positions.len();
             return Err(ImportError::new(
@@ -151,6 +168,9 @@ fn is_indices(name: &str) -> bool {
 struct Vertex {
     position: Vec3,
     normal: Vec3,
+    /// 0 to 1: what is stored as bytes, over 255.
+    color: Vec3,
+    uv: [f64; 2],
 }
 
 impl PropertyAccess for Vertex {
@@ -166,9 +186,16 @@ impl PropertyAccess for Vertex {
             "nx" => &mut self.normal[0],
             "ny" => &mut self.normal[1],
             "nz" => &mut self.normal[2],
+            "red" | "r" => &mut self.color[0],
+            "green" | "g" => &mut self.color[1],
+            "blue" | "b" => &mut self.color[2],
+            "u" | "s" => &mut self.uv[0],
+            "v" | "t" => &mut self.uv[1],
             _ => return PropertyAccessResult::Ignored,
         };
+        let is_color = ["red", "green", "blue", "r", "g", "b"].contains(&name);
         *slot = match property {
+            Property::UChar(n) if is_color => f64::from(n) / 255.0,
             Property::Char(n) => n.into(),
             Property::UChar(n) => n.into(),
             Property::Short(n) => n.into(),

@@ -8,7 +8,7 @@ use super::mtl::{self, Mtl};
 use super::{ImportError, Loaded, obj, ply, stem};
 use crate::desc::{
     BsdfDesc, CameraDesc, GeometryDesc, IntegratorDesc, IntegratorKind, LightDesc, MeshDesc, NamedMaterial,
-    SceneDesc, ShapeDesc, Vec3,
+    SceneDesc, ShapeDesc, TintDesc, Vec3,
 };
 
 /// From the model towards the camera: from the right, the front and a little above.
@@ -112,7 +112,8 @@ pub(super) fn load_ply(path: &Path) -> Result<Loaded, ImportError> {
     let (mesh, dropped) = raw.place(AS_IS);
     let mut model = Model::default();
     model.read(path, &raw.notes, dropped);
-    model.add(stem(path), mesh, grey("surface", 0.7), None);
+    let surface = silent(&mesh, "surface");
+    model.add(stem(path), mesh, surface, None);
     model.show(path)
 }
 
@@ -126,7 +127,8 @@ pub(super) fn load_obj(path: &Path) -> Result<Loaded, ImportError> {
     let several = meshes.len() > 1;
     for (part, mesh) in meshes {
         let Some(name) = part.checked_sub(1).and_then(|index| file.names.get(index)) else {
-            model.add(stem(path), mesh, grey("surface", 0.7), None);
+            let surface = silent(&mesh, "surface");
+            model.add(stem(path), mesh, surface, None);
             continue;
         };
         let shape = match several {
@@ -138,11 +140,12 @@ pub(super) fn load_obj(path: &Path) -> Result<Loaded, ImportError> {
             if !library.is_empty() || file.libraries.is_empty() {
                 model.warn(path, &format!("{named} is in no mtllib: it is grey"));
             }
-            model.add(shape, mesh, grey(&named, 0.7), None);
+            let surface = silent(&mesh, &named);
+            model.add(shape, mesh, surface, None);
             continue;
         };
         let mut mtl = mtl.clone();
-        mtl.mean_textures(from.parent().unwrap_or(Path::new("")));
+        mtl.read_textures(from.parent().unwrap_or(Path::new("")), !mesh.uvs.is_empty());
         let (mapped, emission) = (mtl.map(), mtl.emission());
         let glow = if emission.is_some() { ", emits" } else { "" };
         let note = format!("{named}: {}{glow}", mapped.words);
@@ -154,6 +157,7 @@ pub(super) fn load_obj(path: &Path) -> Result<Loaded, ImportError> {
             name: named,
             two_sided: !mtl.is_glass(),
             bsdf: mapped.bsdf,
+            tint: mtl.tint.take(),
         };
         model.add(shape, mesh, material, emission);
     }
@@ -215,6 +219,17 @@ impl Model {
     }
 }
 
+/// What a mesh is of that says nothing: grey, or of its vertices' colours.
+fn silent(mesh: &MeshDesc, name: &str) -> NamedMaterial {
+    if mesh.colors.is_empty() {
+        return grey(name, 0.7);
+    }
+    NamedMaterial {
+        tint: Some(TintDesc::Vertices),
+        ..grey(name, 1.0)
+    }
+}
+
 /// What a surface is of that says nothing.
 pub(super) fn grey(name: &str, reflectance: f64) -> NamedMaterial {
     NamedMaterial {
@@ -223,6 +238,7 @@ pub(super) fn grey(name: &str, reflectance: f64) -> NamedMaterial {
         bsdf: BsdfDesc::Diffuse {
             reflectance: [reflectance; 3],
         },
+        tint: None,
     }
 }
 

@@ -1,6 +1,8 @@
-//! What a texture is on average: the core has one colour a material.
+//! Textures: as they are where a mesh says where in them it is, else what they are on average.
 
-use crate::desc::Vec3;
+use std::sync::Arc;
+
+use crate::desc::{TextureDesc, Vec3};
 
 /// The mean of a picture's texels as they are stored, and of the light they stand for (sRGB), each 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +28,35 @@ pub(super) fn mean(bytes: &[u8]) -> Result<Mean, String> {
         stored: stored.map(|sum| sum / count),
         linear: linear.map(|sum| sum / count),
     })
+}
+
+/// Longest side that a texture may have.
+const LONGEST: u32 = 4096;
+
+/// A PNG or JPEG file in memory, its signals sRGB unless they are `raw` light.
+pub(super) fn decode(name: &str, bytes: &[u8], nearest: bool, raw: bool) -> Result<Arc<TextureDesc>, String> {
+    let picture = image::load_from_memory(bytes).map_err(|error| format!("is no picture ({error})"))?;
+    let (width, height) = (picture.width(), picture.height());
+    if width == 0 || height == 0 || width.max(height) > LONGEST {
+        return Err(format!(
+            "is {width} x {height} texels; 1 to {LONGEST} a side are possible: scale it down"
+        ));
+    }
+    let light = |byte: u8| match f64::from(byte) / 255.0 {
+        share if raw => share,
+        signal => from_srgb(signal),
+    };
+    Ok(Arc::new(TextureDesc {
+        name: name.to_string(),
+        width,
+        height,
+        texels: picture
+            .to_rgb8()
+            .pixels()
+            .map(|pixel| pixel.0.map(light))
+            .collect(),
+        nearest,
+    }))
 }
 
 /// IEC 61966-2-1.

@@ -8,7 +8,7 @@ use microlux::num::Metres;
 use microlux::shape::Instance;
 
 use super::{OwnedMesh, QuantiseError, Rounding};
-use crate::desc::{GeometryDesc, InstanceDesc, MeshDesc, SceneDesc, Vec3};
+use crate::desc::{GeometryDesc, InstanceDesc, MeshDesc, SceneDesc, TintDesc, Vec3};
 
 /// The frame that all instances of a mesh share: units as fine as the scene's where the largest of them stands, or up to
 /// twice as coarse.
@@ -55,6 +55,7 @@ impl Shared {
         scene: &Rounding,
         name: &str,
         instance: &InstanceDesc,
+        tint: Option<&TintDesc>,
         meshes: &mut Vec<OwnedMesh>,
     ) -> Result<Option<Instance>, QuantiseError> {
         let Some(frame) = self.0.get_mut(&Arc::as_ptr(&instance.mesh)) else {
@@ -67,7 +68,7 @@ impl Shared {
         let mesh = match frame.made {
             Some(mesh) => mesh,
             None => {
-                meshes.push(frame.rounding.mesh(name, &instance.mesh)?);
+                meshes.push(frame.rounding.mesh(name, &instance.mesh, tint)?);
                 *frame.made.insert((meshes.len() - 1) as u16)
             }
         };

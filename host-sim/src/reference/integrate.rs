@@ -116,7 +116,7 @@ impl<'a> World<'a> {
             let surface = Surface::new(&ray, &hit);
             let material = self.material(&hit);
             if !material.is_specular() {
-                radiance += throughput * self.direct(&surface, material, slot + 1, sampler, rays);
+                radiance += throughput * self.direct(&surface, &material, slot + 1, sampler, rays);
             }
 
             // The next segment, as the material likes it.
@@ -237,8 +237,8 @@ impl<'a> World<'a> {
         self.scene.shapes[hit.shape].emission.filter(|_| visible)
     }
 
-    fn material(&self, hit: &Hit) -> &Material {
-        &self.scene.materials[self.scene.shapes[hit.shape].material]
+    fn material(&self, hit: &Hit) -> Material {
+        self.scene.materials[self.scene.shapes[hit.shape].material].tinted(hit.tint)
     }
 
     /// A ray from the surface, its origin moved off it to the side it leaves by.

@@ -6,7 +6,7 @@
 
 use super::scene::Ray;
 use super::tree::Tree;
-use super::vec::Vec3;
+use super::vec::{Rgb, Vec3};
 
 /// Meshes up to this many triangles are scanned one by one (after one test of the bounding box).
 const LINEAR_UP_TO: usize = 32;
@@ -17,6 +17,8 @@ pub struct Mesh {
     vertices: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
     normals: Vec<Vec3>,
+    colors: Vec<Rgb>,
+    uvs: Vec<[f64; 2]>,
     tree: Tree,
 }
 
@@ -53,8 +55,42 @@ impl Mesh {
             vertices,
             triangles,
             normals,
+            colors: Vec::new(),
+            uvs: Vec::new(),
             tree,
         }
+    }
+
+    /// With a colour and a place in a texture for each vertex, or none.
+    ///
+    /// # Panics
+    /// If a list is neither empty nor as long as the vertices'.
+    pub fn with_tints(self, colors: Vec<Rgb>, uvs: Vec<[f64; 2]>) -> Mesh {
+        let fits = |length: usize| length == 0 || length == self.vertices.len();
+        assert!(fits(colors.len()) && fits(uvs.len()), "one a vertex, or none");
+        Mesh { colors, uvs, ..self }
+    }
+
+    /// The colour between the corners' of a hit; white without any.
+    pub fn color(&self, hit: &TriangleHit) -> Rgb {
+        if self.colors.is_empty() {
+            return Rgb::ONE;
+        }
+        let [a, b, c] = self.triangles[hit.triangle as usize].map(|vertex| self.colors[vertex as usize]);
+        a * hit.weights[0] + b * hit.weights[1] + c * hit.weights[2]
+    }
+
+    /// The place in a texture between the corners' of a hit.
+    pub fn uv(&self, hit: &TriangleHit) -> [f64; 2] {
+        if self.uvs.is_empty() {
+            return [0.0; 2];
+        }
+        let corners = self.triangles[hit.triangle as usize].map(|vertex| self.uvs[vertex as usize]);
+        [0, 1].map(|i| {
+            (0..3)
+                .map(|corner| corners[corner][i] * hit.weights[corner])
+                .sum()
+        })
     }
 
     pub fn vertices(&self) -> &[Vec3] {

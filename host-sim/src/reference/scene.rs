@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::implicit::Implicit;
 use super::mesh::Mesh;
 use super::sky::{Gradient, Map, Sun};
+use super::texture::Tint;
 use super::vec::{Rgb, Vec3, vec3};
 
 #[derive(Clone, Debug)]
@@ -45,6 +46,8 @@ pub struct Shape {
     pub material: usize,
     /// Radiance emitted on the side of the geometric normal, none on the other.
     pub emission: Option<Rgb>,
+    /// Of a mesh.
+    pub tint: Option<Tint>,
     /// The caller's name for it; the renderer hands it back and makes no use of it.
     pub id: u32,
 }

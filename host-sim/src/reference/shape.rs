@@ -2,7 +2,8 @@
 
 use super::mesh::{Mesh, TriangleHit};
 use super::scene::{Geometry, Ray, Scene};
-use super::vec::Vec3;
+use super::texture::Tint;
+use super::vec::{Rgb, Vec3};
 
 /// The nearest hit of a ray.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +21,8 @@ pub struct Hit {
     pub triangle: Option<u32>,
     /// The ray came from the side of the geometric normal.
     pub front: bool,
+    /// What the material's own colour is multiplied by.
+    pub tint: Rgb,
 }
 
 /// The nearest hit with t > 0; of equal distances the lowest shape, then the lowest triangle.
@@ -104,11 +107,17 @@ fn plane(ray: &Ray, point: Vec3, normal: Vec3) -> Option<f64> {
 
 fn describe(scene: &Scene, ray: &Ray, shape: usize, crossing: Crossing) -> Hit {
     let geometry = &scene.shapes[shape].geometry;
+    let mut tint = Rgb::ONE;
     let mut point = ray.at(crossing.t());
     let (normal, shading, triangle) = match (geometry, crossing) {
         (Geometry::Mesh(mesh), Crossing::Triangle(hit)) => {
             let normal = mesh.double_area_normal(hit.triangle).normalized();
             point = triangle_point(mesh, &hit);
+            tint = match &scene.shapes[shape].tint {
+                None => Rgb::ONE,
+                Some(Tint::Vertices) => mesh.color(&hit),
+                Some(Tint::Texture(texture)) => texture.at(mesh.uv(&hit)),
+            };
             (
                 normal,
                 mesh.shading_normal(&hit).unwrap_or(normal),
@@ -143,6 +152,7 @@ fn describe(scene: &Scene, ray: &Ray, shape: usize, crossing: Crossing) -> Hit {
         shape,
         triangle,
         front: ray.direction.dot(normal) < 0.0,
+        tint,
     }
 }
 

@@ -44,10 +44,7 @@ fn errors_name_file_line_and_way_out() {
             "s.xml:3: <film type=\"hdrfilm\"> cannot stand in",
         ),
         ("hello", "s.xml:3: text \"hello\" in <scene>; remove it"),
-        (
-            "<texture type=\"bitmap\"/>",
-            "s.xml:3: <texture> is not supported",
-        ),
+        ("<texture type=\"bitmap\"/>", "s.xml:3: bitmap names no file"),
         (
             "<sensor type=\"perspective\"/>",
             "s.xml:3: a second <sensor> in <scene>; keep one",

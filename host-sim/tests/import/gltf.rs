@@ -179,17 +179,33 @@ fn metals_are_metals_and_what_lacks_light_is_lit() {
 }
 
 #[test]
-fn a_texture_is_its_mean_light() {
+fn a_texture_lies_on_its_mesh() {
     let loaded = model("textured.glb");
-    let BsdfDesc::Diffuse { reflectance } = material(&loaded.scene, "Board") else {
-        panic!()
+    let board = loaded
+        .scene
+        .materials
+        .iter()
+        .find(|material| material.name == "material \"Board\"")
+        .unwrap();
+    let Some(TintDesc::Texture { texture, to_uv }) = &board.tint else {
+        panic!("{board:?}")
     };
-    let wanted = [0.5, 0.2514, 0.0];
-    assert!(
-        reflectance.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3),
-        "{reflectance:?}"
+    assert_eq!(
+        (texture.width, texture.height, *to_uv),
+        (8, 8, TintDesc::IN_PLACE)
     );
-    assert!(loaded.warnings.iter().any(|w| w.contains("becomes its mean")));
+    let orange = [1.0, 0.5029, 0.0];
+    let near = |found: Vec3| found.iter().zip(orange).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(near(texture.texels[0]) && near(texture.texels[3]) && texture.texels[4] == [0.0; 3]);
+    assert!(!loaded.warnings.iter().any(|warning| warning.contains("mean")));
+    // Its left half is orange, its right one black.
+    let pixel = rendered(&loaded.scene);
+    let (left, right) = (pixel(22, 26), pixel(42, 26));
+    assert!(left[0] > 0.2 && right[0] < 0.05 * left[0], "{left:?} {right:?}");
+    assert!(
+        (f64::from(left[1] / left[0]) - 0.5).abs() < 0.15 && left[2] < 0.3 * left[0],
+        "{left:?}"
+    );
 }
 
 #[test]
@@ -268,6 +284,10 @@ fn broken_files_name_their_part() {
         (
             &strips.replace("\"mesh\": 0", "\"mesh\": 7"),
             "s.gltf: nodes[1].mesh: names what does not exist",
+        ),
+        (
+            &strips.replace("\"POSITION\": 0", "\"POSITION\": 9"),
+            "s.gltf: meshes[0] lacks what it must have",
         ),
         (
             &empty.replace("}}", "},\"images\":[{}]}"),

@@ -30,6 +30,7 @@ fn shape(geometry: Geometry, material: usize) -> Shape {
     Shape {
         geometry,
         material,
+        tint: None,
         emission: None,
         id: 0,
     }

@@ -2,9 +2,11 @@
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use gltf::image::Source;
 use gltf::material::AlphaMode;
+use gltf::texture::MagFilter;
 use gltf::{Material, Texture};
 
 use super::super::error::ImportError;
@@ -12,7 +14,15 @@ use super::super::pbr::Pbr;
 use super::super::texture::{self, Mean};
 use super::buffer::Buffers;
 use super::named;
-use crate::desc::{NamedMaterial, Vec3};
+use crate::desc::{NamedMaterial, TextureDesc, TintDesc, Vec3};
+
+/// What a mesh's vertices have.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Has {
+    pub colors: bool,
+    /// Of the set that its material's base colour texture names.
+    pub uvs: bool,
+}
 
 pub(super) struct Materials<'a> {
     path: &'a Path,
@@ -20,9 +30,10 @@ pub(super) struct Materials<'a> {
     pub list: Vec<NamedMaterial>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
-    /// By the file's index; `None` is glTF's default material.
-    known: HashMap<Option<usize>, (usize, Option<Vec3>)>,
+    /// By the file's index, `None` being glTF's default material, and whether its mesh has colours.
+    known: HashMap<(Option<usize>, bool), (usize, Option<Vec3>)>,
     means: HashMap<usize, Mean>,
+    pictures: HashMap<(usize, bool), Arc<TextureDesc>>,
 }
 
 impl<'a> Materials<'a> {
@@ -35,19 +46,22 @@ impl<'a> Materials<'a> {
             warnings: Vec::new(),
             known: HashMap::new(),
             means: HashMap::new(),
+            pictures: HashMap::new(),
         }
     }
 
-    /// Index of the material, and the radiance it emits.
-    pub fn of(&mut self, material: &Material) -> Result<(usize, Option<Vec3>), ImportError> {
-        if let Some(&known) = self.known.get(&material.index()) {
+    /// Index of the material, and the radiance it emits; `has` says what the mesh that it covers has.
+    pub fn of(&mut self, material: &Material, has: Has) -> Result<(usize, Option<Vec3>), ImportError> {
+        let key = (material.index(), has.colors);
+        if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
         let name = match material.index() {
             Some(index) => named("material", material.name(), index),
             None => "default material".to_string(),
         };
-        let pbr = self.factors(&name, material)?;
+        let tint = self.tint(&name, material, has)?;
+        let pbr = self.factors(&name, material, matches!(tint, Some(TintDesc::Texture { .. })))?;
         let emission = self.emission(&name, material)?;
         let mapped = pbr.map();
         let glow = match emission {
@@ -63,9 +77,10 @@ impl<'a> Materials<'a> {
             name,
             two_sided: pbr.transmission < 0.5 || pbr.metallic >= 0.9,
             bsdf: mapped.bsdf,
+            tint,
         });
         let found = (self.list.len() - 1, emission);
-        self.known.insert(material.index(), found);
+        self.known.insert(key, found);
         Ok(found)
     }
 
@@ -77,8 +92,53 @@ impl<'a> Materials<'a> {
         self.warnings.push(ImportError::new(self.path, what).to_string());
     }
 
-    /// The factors, with textures by their means.
-    fn factors(&mut self, name: &str, material: &Material) -> Result<Pbr, ImportError> {
+    /// What the base colour is multiplied by: a texture as it is, else the mesh's colours. (glTF multiplies by both.)
+    fn tint(&mut self, name: &str, material: &Material, has: Has) -> Result<Option<TintDesc>, ImportError> {
+        let texture = material.pbr_metallic_roughness().base_color_texture();
+        let Some(info) = texture.filter(|_| has.uvs) else {
+            return Ok(has.colors.then_some(TintDesc::Vertices));
+        };
+        if has.colors {
+            self.warn(&format!(
+                "{name}: vertex colours are left out where it has a texture"
+            ));
+        }
+        let texture = info.texture();
+        let (index, nearest) = (
+            texture.source().index(),
+            texture.sampler().mag_filter() == Some(MagFilter::Nearest),
+        );
+        let picture = match self.pictures.get(&(index, nearest)) {
+            Some(known) => Arc::clone(known),
+            None => {
+                let label = format!("images[{index}]");
+                let decoded = self
+                    .bytes(&texture)
+                    .and_then(|bytes| texture::decode(&label, &bytes, nearest, false));
+                let picture = decoded
+                    .map_err(|what| ImportError::new(self.path, format!("{name}: {label}: {what}")))?;
+                self.pictures.insert((index, nearest), Arc::clone(&picture));
+                picture
+            }
+        };
+        let to_uv = match info.texture_transform() {
+            Some(transform) => {
+                // Translation · rotation · scale (KHR_texture_transform).
+                let [sx, sy] = transform.scale().map(f64::from);
+                let [x, y] = transform.offset().map(f64::from);
+                let (sin, cos) = f64::from(transform.rotation()).sin_cos();
+                [[cos * sx, -sin * sy, x], [sin * sx, cos * sy, y]]
+            }
+            None => TintDesc::IN_PLACE,
+        };
+        Ok(Some(TintDesc::Texture {
+            texture: picture,
+            to_uv,
+        }))
+    }
+
+    /// The factors, with textures by their means, but for the base colour's if it is there `as_texture`.
+    fn factors(&mut self, name: &str, material: &Material, as_texture: bool) -> Result<Pbr, ImportError> {
         let pbr = material.pbr_metallic_roughness();
         let [r, g, b, _] = pbr.base_color_factor().map(f64::from);
         let mut factors = Pbr {
@@ -90,7 +150,7 @@ impl<'a> Materials<'a> {
                 .map_or(0.0, |t| f64::from(t.transmission_factor())),
             ior: material.ior().map_or(1.5, f64::from),
         };
-        if let Some(info) = pbr.base_color_texture() {
+        if let Some(info) = pbr.base_color_texture().filter(|_| !as_texture) {
             let mean = self.mean(name, "baseColorTexture", &info.texture())?;
             (0..3).for_each(|i| factors.base[i] *= mean.linear[i]);
         }
@@ -143,16 +203,21 @@ impl<'a> Materials<'a> {
             self.warn(&format!("{name}: {slot} becomes its mean"));
             return Ok(known);
         }
-        let bytes = match image.source() {
-            Source::View { view, .. } => self.buffers.view(&view).map(<[u8]>::to_vec),
-            Source::Uri { uri, .. } => self.buffers.uri(uri),
-        };
-        let mean = bytes
+        let mean = self
+            .bytes(texture)
             .and_then(|bytes| texture::mean(&bytes))
             .map_err(|what| ImportError::new(self.path, format!("{name}: images[{index}]: {what}")))?;
         self.means.insert(index, mean);
         self.warn(&format!("{name}: {slot} becomes its mean"));
         Ok(mean)
+    }
+
+    /// A picture's file.
+    fn bytes(&self, texture: &Texture) -> Result<Vec<u8>, String> {
+        match texture.source().source() {
+            Source::View { view, .. } => self.buffers.view(&view).map(<[u8]>::to_vec),
+            Source::Uri { uri, .. } => self.buffers.uri(uri),
+        }
     }
 
     /// What has no like here.

@@ -9,8 +9,19 @@ use gltf::mesh::{Mesh, Mode, Primitive};
 use super::super::error::ImportError;
 use super::super::math::Affine;
 use super::super::mesh::{Placement, RawMesh, placed};
+use super::material::Has;
 use super::{Reader, named};
 use crate::desc::{GeometryDesc, ShapeDesc};
+
+/// Which texture coordinates the material's base colour wants.
+fn texture_set(primitive: &Primitive) -> Option<u32> {
+    let material = primitive.material();
+    let info = material.pbr_metallic_roughness().base_color_texture()?;
+    let moved = info
+        .texture_transform()
+        .and_then(|transform| transform.tex_coord());
+    Some(moved.unwrap_or(info.tex_coord()))
+}
 
 impl Reader<'_> {
     pub(super) fn mesh(&mut self, node: &str, mesh: &Mesh, to_world: Affine) -> Result<(), ImportError> {
@@ -27,12 +38,14 @@ impl Reader<'_> {
                     "{name}: its morph targets are left out, the mesh is as modelled"
                 ));
             }
-            if primitive.get(&Semantic::Colors(0)).is_some() {
-                self.warn(&format!("{name}: its vertex colours are left out"));
-            }
             let used = (mesh.index(), primitive.index());
             let is_shared = self.uses.get(mesh.index()).is_some_and(|uses| *uses > 1);
-            let (material, emission) = self.materials.of(&primitive.material())?;
+            let set = texture_set(&primitive);
+            let has = Has {
+                colors: primitive.get(&Semantic::Colors(0)).is_some(),
+                uvs: set.is_some_and(|set| primitive.get(&Semantic::TexCoords(set)).is_some()),
+            };
+            let (material, emission) = self.materials.of(&primitive.material(), has)?;
             if let Some(known) = self.shared.get(&used) {
                 let geometry = placed(known, &to_world);
                 self.model.shapes.push(ShapeDesc {
@@ -116,6 +129,46 @@ impl Reader<'_> {
                 ));
             }
             raw.normals = reader.read_normals().into_iter().flatten().map(wide).collect();
+        }
+        if let Some(colors) = primitive.get(&Semantic::Colors(0)) {
+            let dimensions = match colors.dimensions() {
+                Dimensions::Vec4 => Dimensions::Vec4,
+                _ => Dimensions::Vec3,
+            };
+            buffers.check(&colors, dimensions, &[DataType::U8, DataType::U16, DataType::F32])?;
+            raw.colors = reader
+                .read_colors(0)
+                .into_iter()
+                .flat_map(|colors| colors.into_rgb_f32())
+                .map(|color| color.map(|c| f64::from(c).clamp(0.0, 1.0)))
+                .collect();
+        }
+        let set = texture_set(primitive);
+        if let Some((set, uvs)) = set.and_then(|set| Some((set, primitive.get(&Semantic::TexCoords(set))?))) {
+            buffers.check(
+                &uvs,
+                Dimensions::Vec2,
+                &[DataType::U8, DataType::U16, DataType::F32],
+            )?;
+            raw.uvs = reader
+                .read_tex_coords(set)
+                .into_iter()
+                .flat_map(|uvs| uvs.into_f32())
+                .map(|uv| uv.map(f64::from))
+                .collect();
+        }
+        let counts = [raw.colors.len(), raw.uvs.len()];
+        if counts
+            .iter()
+            .any(|count| ![0, raw.positions.len()].contains(count))
+        {
+            return Err("has not one colour or texture coordinate for each vertex".to_string());
+        }
+        let all = raw.uvs.iter().flatten().chain(raw.colors.iter().flatten());
+        if all.copied().any(|x| !x.is_finite()) {
+            return Err(
+                "has a colour or texture coordinate that is not finite; export the model again".to_string(),
+            );
         }
         if let Some(at) = raw
             .positions

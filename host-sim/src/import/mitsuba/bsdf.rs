@@ -3,6 +3,7 @@
 use super::super::{ImportError, suggest};
 use super::color::Quantity;
 use super::params::{Context, Params, number, value};
+use super::texture;
 use super::tree::Element;
 use crate::desc::{BsdfDesc, NamedMaterial, OrenNayarModel, Vec3};
 
@@ -80,6 +81,7 @@ impl<'a> Materials<'a> {
                 bsdf: BsdfDesc::Diffuse {
                     reflectance: [grey; 3],
                 },
+                tint: None,
             }),
         }
     }
@@ -105,6 +107,7 @@ impl<'a> Materials<'a> {
                 name,
                 two_sided: false,
                 bsdf,
+                tint: None,
             }),
         })
     }
@@ -121,18 +124,33 @@ pub(super) fn read<'a>(element: &'a Element, context: &Context<'a>) -> Result<Na
         return two_sided(element, context);
     }
     let params = Params::new(context, element);
+    // What the material's own colour is given as; a texture multiplies white.
+    let own = match element.kind() {
+        "diffuse" | "orennayar" => Some("reflectance"),
+        "conductor" | "roughconductor" => Some("specular_reflectance"),
+        "blinnphong" => Some("diffuse_reflectance"),
+        _ => None,
+    };
+    let tint = match own.map(|name| params.texture(name)).transpose()?.flatten() {
+        Some(element) => texture::read(element, context)?,
+        None => None,
+    };
+    let own_color = |name, default| match tint {
+        Some(_) => Ok([1.0; 3]),
+        None => reflectance(&params, name, default),
+    };
     let bsdf = match element.kind() {
         "diffuse" => BsdfDesc::Diffuse {
-            reflectance: reflectance(&params, "reflectance", 0.5)?,
+            reflectance: own_color("reflectance", 0.5)?,
         },
         "conductor" => BsdfDesc::Conductor {
             eta_k: eta_k(&params)?,
-            specular_reflectance: reflectance(&params, "specular_reflectance", 1.0)?,
+            specular_reflectance: own_color("specular_reflectance", 1.0)?,
         },
         "roughconductor" => BsdfDesc::RoughConductor {
             alpha: ggx_alpha(&params)?,
             eta_k: eta_k(&params)?,
-            specular_reflectance: reflectance(&params, "specular_reflectance", 1.0)?,
+            specular_reflectance: own_color("specular_reflectance", 1.0)?,
         },
         "dielectric" => {
             let (int_ior, ext_ior) = iors(&params)?;
@@ -157,9 +175,9 @@ pub(super) fn read<'a>(element: &'a Element, context: &Context<'a>) -> Result<Na
                 specular_transmittance: reflectance(&params, "specular_transmittance", 1.0)?,
             }
         }
-        "orennayar" => oren_nayar(&params)?,
+        "orennayar" => oren_nayar(&params, own_color("reflectance", 0.5)?)?,
         "blinnphong" => BsdfDesc::BlinnPhong {
-            diffuse_reflectance: reflectance(&params, "diffuse_reflectance", 0.5)?,
+            diffuse_reflectance: own_color("diffuse_reflectance", 0.5)?,
             specular_reflectance: reflectance(&params, "specular_reflectance", 0.2)?,
             exponent: params
                 .checked("exponent", "0 or more", |n| n >= 0.0)?
@@ -175,6 +193,7 @@ pub(super) fn read<'a>(element: &'a Element, context: &Context<'a>) -> Result<Na
                 name: element.name(),
                 two_sided: true,
                 bsdf: stand_in,
+                tint: None,
             });
         }
     };
@@ -183,6 +202,7 @@ pub(super) fn read<'a>(element: &'a Element, context: &Context<'a>) -> Result<Na
         name: element.name(),
         two_sided: false,
         bsdf,
+        tint,
     })
 }
 
@@ -283,8 +303,7 @@ fn ggx_alpha(params: &Params) -> Result<f64, ImportError> {
     Ok(alpha)
 }
 
-fn oren_nayar(params: &Params) -> Result<BsdfDesc, ImportError> {
-    let reflectance = reflectance(params, "reflectance", 0.5)?;
+fn oren_nayar(params: &Params, reflectance: Vec3) -> Result<BsdfDesc, ImportError> {
     let sigma = params.checked("sigma", "0 to 90 degrees", |s| (0.0..=90.0).contains(&s))?;
     let sigma_degrees = sigma.ok_or_else(|| {
         params

@@ -11,6 +11,7 @@ mod instance;
 mod params;
 mod sensor;
 mod shape;
+mod texture;
 mod transform;
 mod tree;
 
@@ -75,7 +76,10 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
         }
         lights.extend(light);
     }
-    // Materials that nothing uses are read for their errors only.
+    // Textures and materials that nothing uses are read for their errors only.
+    for element in params.objects("texture")? {
+        texture::read(element, context)?;
+    }
     for bsdf in params.objects("bsdf")? {
         bsdf::read(bsdf, context)?;
     }

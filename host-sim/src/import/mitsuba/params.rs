@@ -194,6 +194,23 @@ impl<'c, 'a> Params<'c, 'a> {
         self.property(name, &["float", "integer", "string"], Ok)
     }
 
+    /// The `<texture>` of this name, or a reference to one.
+    pub fn texture(&self, name: &'static str) -> Result<Option<&'a Element>, ImportError> {
+        self.nested.borrow_mut().push("texture");
+        let named = |child: &&Element| child.attribute("name") == Some(name);
+        for child in self.element.children.iter().filter(named) {
+            let target = if child.tag == "ref" {
+                self.context.resolve(child)?
+            } else {
+                child
+            };
+            if target.tag == "texture" {
+                return Ok(Some(target));
+            }
+        }
+        Ok(None)
+    }
+
     /// Nested objects with this tag, and references to such, in the file's order.
     pub fn objects(&self, tag: &'static str) -> Result<Vec<&'a Element>, ImportError> {
         self.nested.borrow_mut().push(tag);

@@ -12,7 +12,7 @@ use super::implicit;
 use super::instance::{self, Groups};
 use super::params::{Context, Params};
 use super::tree::Element;
-use crate::desc::{GeometryDesc, MeshDesc, ShapeDesc, Vec3};
+use crate::desc::{GeometryDesc, MeshDesc, ShapeDesc, TintDesc, Vec3};
 
 const KINDS: [&str; 14] = [
     "sphere",
@@ -98,6 +98,10 @@ pub(super) fn read_one<'a>(
         _ => vec![(String::new(), mesh(&common, &params, context)?)],
     };
     params.finish()?;
+    let geometry = match &materials.list[material].tint {
+        Some(tint) => textured(&common, geometry, tint, context)?,
+        None => geometry,
+    };
     let named = |(face, geometry)| ShapeDesc {
         name: element.name() + face,
         geometry,
@@ -108,6 +112,47 @@ pub(super) fn read_one<'a>(
         .iter()
         .map(|(face, geometry)| named((face, geometry.clone())))
         .collect())
+}
+
+/// What a shape becomes that a texture covers: a rectangle two triangles. Other closed forms have no places in it.
+fn textured(
+    common: &Common,
+    parts: Vec<(String, GeometryDesc)>,
+    tint: &TintDesc,
+    context: &Context,
+) -> Result<Vec<(String, GeometryDesc)>, ImportError> {
+    let kind = common.element.kind();
+    let mut all = Vec::new();
+    for (name, part) in parts {
+        let placed = match (part, tint) {
+            (GeometryDesc::Rectangle { .. }, TintDesc::Texture { .. }) if kind == "rectangle" => {
+                GeometryDesc::Mesh(square(common))
+            }
+            (mesh @ GeometryDesc::Mesh(_), _) => mesh,
+            (other, _) => {
+                let message = format!("a {kind} cannot have a texture; use a rectangle, or a mesh with uvs");
+                context.refuse(common.element, message)?;
+                other
+            }
+        };
+        all.push((name, placed));
+    }
+    Ok(all)
+}
+
+/// A rectangle as triangles that know where in a texture they are: (0, 0) at (-1, -1), (1, 1) at (1, 1).
+fn square(common: &Common) -> MeshDesc {
+    let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let mut triangles = vec![[0, 1, 2], [0, 2, 3]];
+    if (common.to_world.determinant() < 0.0) != common.flip_normals {
+        triangles.iter_mut().for_each(|t: &mut [u32; 3]| t.swap(1, 2));
+    }
+    MeshDesc {
+        vertices: corners.map(|[x, y]| common.to_world.point([x, y, 0.0])).to_vec(),
+        triangles,
+        uvs: corners.map(|corner| corner.map(|c| (c + 1.0) / 2.0)).to_vec(),
+        ..MeshDesc::default()
+    }
 }
 
 /// Radiance of an area emitter.
@@ -194,7 +239,7 @@ fn parallelogram(center: Vec3, u: Vec3, v: Vec3, normal: Vec3) -> GeometryDesc {
             corner(-1.0, 1.0),
         ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        normals: Vec::new(),
+        ..MeshDesc::default()
     })
 }
 
@@ -268,7 +313,7 @@ fn skewed_cube(common: &Common) -> MeshDesc {
     MeshDesc {
         vertices: (0..8).map(corner).collect(),
         triangles,
-        normals: Vec::new(),
+        ..MeshDesc::default()
     }
 }
 

@@ -10,7 +10,7 @@ use super::super::{ImportError, Options, suggest};
 const INCLUDE_DEPTH: u32 = 15;
 
 /// Elements with a `type`, then properties, then what stands inside a transform.
-const OBJECTS: [&str; 8] = [
+const OBJECTS: [&str; 9] = [
     "scene",
     "integrator",
     "sensor",
@@ -19,8 +19,9 @@ const OBJECTS: [&str; 8] = [
     "sampler",
     "shape",
     "bsdf",
+    "texture",
 ];
-const TAGS: [&str; 24] = [
+const TAGS: [&str; 25] = [
     "scene",
     "integrator",
     "sensor",
@@ -29,6 +30,7 @@ const TAGS: [&str; 24] = [
     "sampler",
     "shape",
     "bsdf",
+    "texture",
     "emitter",
     "ref",
     "default",

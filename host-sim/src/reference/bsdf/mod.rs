@@ -58,6 +58,21 @@ impl Surface {
 }
 
 impl Material {
+    /// With the colour of its matt part, or of a mirror or metal, multiplied by another.
+    pub fn tinted(self, tint: Rgb) -> Material {
+        let mut tinted = self;
+        match &mut tinted {
+            Material::Diffuse { reflectance, .. }
+            | Material::Mirror { reflectance, .. }
+            | Material::Conductor { reflectance, .. }
+            | Material::RoughConductor { reflectance, .. }
+            | Material::OrenNayar { reflectance, .. } => *reflectance *= tint,
+            Material::BlinnPhong { diffuse, .. } => *diffuse *= tint,
+            Material::Black | Material::Dielectric { .. } | Material::RoughDielectric { .. } => {}
+        }
+        tinted
+    }
+
     /// Whether light must arrive from one exact direction, so that choosing a point on a light is in vain.
     pub fn is_specular(&self) -> bool {
         match self {
