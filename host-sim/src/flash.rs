@@ -46,7 +46,7 @@ impl Part {
     }
 }
 
-/// Bakes all meshes of a scene, in the order in which it names them.
+/// Bakes all meshes of a scene, in the order in which it names them; maybe none.
 pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
     let core = CoreScene::new(desc)?;
     let (mut packed, mut parts) = (Vec::new(), Vec::new());
@@ -69,10 +69,6 @@ pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
             sah: sah(plain, mesh.nodes),
         });
         packed.push(made);
-    }
-    if packed.is_empty() {
-        let none = "it has no mesh to bake; its shapes are a few lines of Rust";
-        return Err(Error::Scene(none.to_string()));
     }
     let bytes = bake::blob(&packed, core.unit).map_err(|error| Error::Scene(error.to_string()))?;
     Ok(Flash { bytes, meshes: parts })

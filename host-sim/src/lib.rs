@@ -3,6 +3,7 @@
 pub use microlux_bake as bake;
 pub mod builtin;
 pub mod cli;
+pub mod code;
 pub mod dequantise;
 pub mod desc;
 pub mod envmap;

@@ -145,7 +145,7 @@ fn a_missing_file_is_told_by_its_name() {
 #[test]
 fn meshes_are_baked_and_read_again() {
     let folder = tempfile::tempdir().unwrap();
-    let bake = "bake torus-knot -o knot.mlx --rust knot.rs --json bake.json --preview knot.png";
+    let bake = "bake torus-knot -o knot.mlx --rust knot.rs --scene-rust scene.rs --json bake.json --preview knot.png";
     host_sim(&folder).args(bake.split(' ')).assert().success().stdout(
         contains("each of 15,360 triangles")
             .and(contains("moved by"))
@@ -174,6 +174,8 @@ fn meshes_are_baked_and_read_again() {
     assert!(std::fs::metadata(folder.path().join("knot.png")).unwrap().len() > 10_000);
     let source = std::fs::read_to_string(folder.path().join("knot.rs")).unwrap();
     assert!(source.contains("pub static MESHES: &[u8]"));
+    let scene = std::fs::read_to_string(folder.path().join("scene.rs")).unwrap();
+    assert!(scene.contains("pub fn scene()") && scene.contains("Geometry::Mesh(0)"));
 
     host_sim(&folder)
         .args("info knot.mlx --json info.json".split(' '))

@@ -46,6 +46,11 @@ impl Rotation {
             .unwrap_or(Rotation::NONE)
     }
 
+    /// From [`Self::rows`]; others are refused with their scene.
+    pub const fn from_rows(rows: [[i32; 3]; 3]) -> Rotation {
+        Rotation { rows }
+    }
+
     /// Rows, Q30.
     pub fn rows(&self) -> [[i32; 3]; 3] {
         self.rows

@@ -23,6 +23,8 @@ pub struct Borrowed<'a> {
     pub blobs: &'a [Blob],
     /// A sky or a map; a constant environment is a [`Light`].
     pub environment: Environment<'a>,
+    /// How lights are chosen: [`super::Parts::choice`].
+    pub choice: &'a [u32],
 }
 
 /// A scene on the stack: room for `SHAPES`, `MATERIALS` and `LIGHTS` (an emitting shape takes one of each).
@@ -172,6 +174,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             textures,
             blobs,
             environment,
+            choice,
         } = borrowed;
         if let Some(environment) = self.environment.take() {
             self.lights
@@ -195,7 +198,7 @@ impl<const SHAPES: usize, const MATERIALS: usize, const LIGHTS: usize>
             materials: &self.materials,
             lights: &self.lights,
             environment,
-            choice: &[],
+            choice,
             meshes,
             textures,
             blobs,

@@ -69,7 +69,7 @@ impl Rays {
             let (light, roulette) = scene.choose_light(choice);
             self.shadows += u32::from(has_shadow_ray(scene, &vertex, light, place));
 
-            let Some(sample) = vertex.material.sample(&vertex.local(), direction, lobe) else {
+            let Some(sample) = vertex.sample(direction, lobe) else {
                 return;
             };
             throughput = throughput.mul(sample.weight);
@@ -95,8 +95,7 @@ impl Rays {
 /// Whether the light sample could reach the vertex, if nothing stood between.
 fn has_shadow_ray(scene: &Scene, vertex: &Vertex, light: u32, place: [Uniform; 2]) -> bool {
     let sample = scene.sample_light(light, &vertex.surface, place);
-    vertex.material.is_smooth()
-        && sample.is_some_and(|sample| vertex.material.eval(&vertex.local(), sample.wi).is_some())
+    vertex.material.is_smooth() && sample.is_some_and(|sample| vertex.eval(sample.wi).is_some())
 }
 
 #[cfg(test)]

@@ -190,19 +190,22 @@ pub struct InfoArgs {
 }
 
 const BAKE_EXAMPLES: &str = "\
-All meshes of SCENE are packed, with their trees, into one file; materials, lights, camera and other shapes are a few lines \
-of Rust in your program. There:
+All meshes of SCENE are packed, with their trees, into one file; --scene-rust writes the rest of it, materials, lights, \
+textures, camera and other shapes, as a module of your program. There:
 
-  static MESHES: &[u8] = microlux::include_baked!(\"bunny.mlx\");
-  let bunny = Baked::open(MESHES)?.mesh(0)?;
+  mod room;
+  static MESHES: &[u8] = microlux::include_baked!(\"room.mlx\");
+  let meshes = [Baked::open(MESHES)?.mesh(0)?];
+  let (mut builder, camera) = room::scene()?;
+  let scene = builder.build_from(room::borrowed(&meshes), &mut nodes)?;
 
 The preview is rendered from the baked bytes, in SCENE's light. Baked files are scenes, too: host-sim render bunny.mlx.
 
 Examples:
   host-sim bake bunny.obj -o bunny.mlx
-  host-sim bake room.xml -o room.mlx --rust room.rs --preview room.png";
+  host-sim bake room.xml -o room.mlx --scene-rust room.rs --preview room.png";
 
-/// Write a scene's meshes as they lie in a board's flash.
+/// Write a scene as a board takes it: its meshes as they lie in flash, the rest as Rust source.
 #[derive(Debug, Args)]
 #[command(after_help = BAKE_EXAMPLES, after_long_help = BAKE_EXAMPLES)]
 pub struct BakeArgs {
@@ -214,6 +217,9 @@ pub struct BakeArgs {
     /// Write them as Rust source, too.
     #[arg(long, value_name = "FILE")]
     pub rust: Option<PathBuf>,
+    /// Write the rest of the scene as Rust source: materials, shapes, lights, textures, camera.
+    #[arg(long, value_name = "FILE")]
+    pub scene_rust: Option<PathBuf>,
     /// Write the numbers as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,

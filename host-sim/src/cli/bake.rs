@@ -10,8 +10,10 @@ use super::render::Output;
 use super::table::{Table, grouped};
 use super::{Failure, source, stop, terminal};
 use crate::bake;
+use crate::code;
 use crate::flash::{self, Flash, Part};
 use crate::picture::{Format, Style, Target, display_pixels};
+use crate::quantise::CoreScene;
 use crate::run::{self, Options};
 
 /// Pixels across and samples of the preview.
@@ -22,6 +24,7 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
     let desc = source::load(&args.scene, args.quiet)?;
     let blob = Target::check(&args.output)?;
     let rust = args.rust.as_deref().map(Target::check).transpose()?;
+    let scene_rust = args.scene_rust.as_deref().map(Target::check).transpose()?;
     let json = args.json.as_deref().map(Target::check).transpose()?;
     let preview = args.preview.as_deref().map(Output::check).transpose()?;
     if let Some(wrong) = preview.as_ref().filter(|output| output.format() != Format::Png) {
@@ -30,6 +33,17 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
     }
     let stop = stop::on_ctrl_c()?;
     let flash = flash::bake(&desc).map_err(of_run)?;
+    if flash.meshes.is_empty() && scene_rust.is_none() {
+        let none = "it has no mesh to bake; --scene-rust writes its other shapes";
+        return Err(of_run(run::Error::Scene(none.to_string())));
+    }
+    let code = match &scene_rust {
+        Some(_) => {
+            let core = CoreScene::new(&desc).map_err(|error| of_run(error.into()))?;
+            Some(code::rust(&desc, &core).map_err(of_run)?)
+        }
+        None => None,
+    };
     let (width, spp) = PREVIEW;
     let options = Options {
         width,
@@ -45,6 +59,9 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
     blob.write(&flash.bytes)?;
     if let Some(target) = &rust {
         target.write(bake::rust(&flash.bytes, "MESHES").as_bytes())?;
+    }
+    if let (Some(target), Some(code)) = (&scene_rust, &code) {
+        target.write(code.as_bytes())?;
     }
     if let Some(target) = &json {
         target.write(format!("{:#}\n", as_json(&desc.name, &flash)).as_bytes())?;

@@ -1,0 +1,69 @@
+// materials, written by `host-sim bake`: `scene` fills a builder, whose `build_from` takes `borrowed`.
+
+#[allow(unused_imports)]
+use microlux::{
+    camera::Camera,
+    color::{Albedo, Radiance},
+    geom::{Dir, Point, Rotation, Unit},
+    light::{Environment, Light, Sky},
+    material::*,
+    num::{Metres, Share, Turn},
+    scene::{Borrowed, Mesh, SceneBuilder, SceneError, Tint},
+    shape::*,
+};
+
+/// 12 shapes, 12 materials, 2 lights.
+pub type Builder = SceneBuilder<12, 12, 2>;
+
+#[allow(dead_code)]
+const fn rgb(bits: [u16; 3]) -> Albedo {
+    let [r, g, b] = bits;
+    Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
+}
+
+#[allow(dead_code)]
+static BLOBS: [Blob; 0] = [];
+
+static TEXTURES: [Texture; 0] = [
+];
+
+static CHOICE: [u32; 0] = [];
+
+/// What the scene borrows: its meshes, in the order of the baked ones.
+pub fn borrowed<'a>(meshes: &'a [Mesh<'a>]) -> Borrowed<'a> {
+    Borrowed { meshes, textures: &TEXTURES, blobs: &BLOBS, environment: Environment::None, choice: &CHOICE }
+}
+
+/// The scene, and its camera.
+pub fn scene() -> Result<(Builder, Camera), SceneError> {
+    let mut b = Builder::with_unit(Unit::new(21));
+    let m = [
+        b.material(Material::Lambert { albedo: rgb([16384, 15729, 14746]), two_sided: true })?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Full, rgb([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Qualitative, rgb([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::EnergyPreserving, rgb([24576, 14746, 9830]), Turn::from_bits(858980352))))?,
+        b.material(Material::BlinnPhong(BlinnPhong::new(rgb([14746, 1638, 1638]), rgb([13107, 13107, 13107]), Metres::from_bits(3932160))))?,
+        b.material(Material::BlinnPhong(BlinnPhong::new(rgb([1638, 3932, 14746]), rgb([32768, 32768, 32768]), Metres::from_bits(1310720)).unnormalized()))?,
+        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)])))?,
+        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(779), Index::from_bits(2253), Index::from_bits(5530)], [Index::from_bits(13517), Index::from_bits(9012), Index::from_bits(7701)]).rough(Share::from_bits(3277))))?,
+        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)]).rough(Share::from_bits(13108))))?,
+        b.material(Material::RoughDielectric(RoughDielectric::new(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768])), Share::from_bits(6554))))?,
+        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768]))))?,
+        b.material(Material::Lambert { albedo: rgb([0, 0, 0]), two_sided: false })?,
+    ];
+    b.shape(Plane { point: Point([0, -3145728, -1027604]), normal: Dir([0, 65536, 0]) }, m[0])?;
+    b.shape(Sphere { center: Point([-3145728, -2474639, -2076180]), radius: 671089 }, m[1])?;
+    b.shape(Sphere { center: Point([-1572864, -2474639, -2076180]), radius: 671089 }, m[2])?;
+    b.shape(Sphere { center: Point([0, -2474639, -2076180]), radius: 671089 }, m[3])?;
+    b.shape(Sphere { center: Point([1572864, -2474639, -2076180]), radius: 671089 }, m[4])?;
+    b.shape(Sphere { center: Point([3145728, -2474639, -2076180]), radius: 671089 }, m[5])?;
+    b.shape(Sphere { center: Point([-3145728, -2474639, -188744]), radius: 671089 }, m[6])?;
+    b.shape(Sphere { center: Point([-1572864, -2474639, -188744]), radius: 671089 }, m[7])?;
+    b.shape(Sphere { center: Point([0, -2474639, -188744]), radius: 671089 }, m[8])?;
+    b.shape(Sphere { center: Point([1572864, -2474639, -188744]), radius: 671089 }, m[9])?;
+    b.shape(Sphere { center: Point([3145728, -2474639, -188744]), radius: 671089 }, m[10])?;
+    b.emitter(Rectangle { center: Point([-1258291, 3145728, 1488978]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [1887437, 1258291] }, m[11], Radiance::from_bits([32768, 30720, 26624], -12))?;
+    b.light(Light::Environment { radiance: Radiance::from_bits([28836, 34079, 41943], -17) })?;
+    let camera = Camera::from_frame(Point([0, 838861, 8199864]), [Dir([65536, 0, 0]), Dir([0, 61225, -23377]), Dir([0, -23377, -61225])], fixed::types::I12F20::from_bits(434334));
+    Ok((b, camera))
+}
