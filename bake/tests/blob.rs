@@ -7,7 +7,7 @@ mod meshes;
 use meshes::{Model, Random};
 use microlux::bvh::{check_mesh, closest, closest_linear};
 use microlux::geom::Unit;
-use microlux::scene::{Baked, BakedError};
+use microlux::scene::{Baked, BakedError, BakedField};
 use microlux::shape::{Slopes, Triangles};
 use microlux_bake::{Aligned, Packed, blob, rust};
 
@@ -91,13 +91,14 @@ fn each_fault_is_named() {
     ));
     assert!(matches!(fault(&|b| b[17] ^= 1), BakedError::Checksum { .. }));
     // The table: first entry at 20, the second at 64.
-    let entry = |mesh| BakedError::Entry { mesh };
-    assert_eq!(fitting(&|b| b[20 + 3] = 0x7f), entry(0), "origin");
-    assert_eq!(fitting(&|b| b[64 + 24] = 9), entry(1), "shift");
-    assert_eq!(fitting(&|b| b[64 + 25] = 0x80), entry(1), "unit");
-    assert_eq!(fitting(&|b| b[20 + 27] = 1), entry(0), "zeros");
-    assert_eq!(fitting(&|b| b[20 + 28] ^= 4), entry(0), "no whole node");
-    assert_eq!(fitting(&|b| b[20 + 32] ^= 4), entry(0), "no whole treelet");
+    let entry = |mesh, field| BakedError::Entry { mesh, field };
+    assert_eq!(fitting(&|b| b[20 + 3] = 0x7f), entry(0, BakedField::Grid));
+    assert_eq!(fitting(&|b| b[64 + 24] = 9), entry(1, BakedField::Grid));
+    assert_eq!(fitting(&|b| b[64 + 25] = 0x80), entry(1, BakedField::Unit));
+    assert_eq!(fitting(&|b| b[64 + 26] = 8), entry(1, BakedField::Layers));
+    assert_eq!(fitting(&|b| b[20 + 27] = 1), entry(0, BakedField::Zero));
+    assert_eq!(fitting(&|b| b[20 + 28] ^= 4), entry(0, BakedField::Nodes));
+    assert_eq!(fitting(&|b| b[20 + 32] ^= 4), entry(0, BakedField::Treelets));
     assert_eq!(
         fitting(&|b| b[20 + 38] ^= 1),
         wrong(good.len() + (1 << 16), length),
@@ -105,7 +106,7 @@ fn each_fault_is_named() {
     );
     assert_eq!(
         fitting(&|b| b[10] = 3),
-        BakedError::Entry { mesh: 2 },
+        entry(2, BakedField::Nodes),
         "a mesh too many"
     );
     assert_eq!(
@@ -113,7 +114,12 @@ fn each_fault_is_named() {
         wrong(20 + 44 * 0xff02, length),
         "a table too long"
     );
-    for error in [BakedError::Magic, BakedError::Unaligned, entry(3), wrong(1, 2)] {
+    for error in [
+        BakedError::Magic,
+        BakedError::Unaligned,
+        entry(3, BakedField::Bytes),
+        wrong(1, 2),
+    ] {
         assert!(error.to_string().lines().count() == 1);
     }
 }

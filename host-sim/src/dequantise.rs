@@ -1,5 +1,6 @@
 //! The core's scene back in f64, exactly as its integers say: what the reference renders.
 
+use crate::picture;
 use crate::quantise::{CoreScene, QuantiseError};
 use crate::reference;
 use crate::reference::{Camera, Geometry, Lens, Light, Mesh, Rgb, Shape, Texture, Tint, Vec3, vec3};
@@ -210,14 +211,9 @@ fn mesh_of(
     }
 }
 
-/// IEC 61966-2-1, to the 2^-15 of the core's table.
+/// To the 2^-15 of the core's table.
 fn from_srgb(signal: u8) -> f64 {
-    let signal = f64::from(signal) / 255.0;
-    let light = if signal <= 0.04045 {
-        signal / 12.92
-    } else {
-        ((signal + 0.055) / 1.055).powf(2.4)
-    };
+    let light = picture::from_srgb(f64::from(signal) / 255.0);
     (light * 32768.0).round() / 32768.0
 }
 

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use crate::bake;
 use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, ShapeDesc, TintDesc, Vec3};
 use crate::envmap::{self, BakedMap};
+use crate::picture::srgb;
 use fixed::types::I12F20;
 use instance::Shared;
 use microlux::bvh::{Node, max_nodes};
@@ -612,15 +613,8 @@ fn mesh_of(geometry: &GeometryDesc) -> Option<&MeshDesc> {
     }
 }
 
-/// IEC 61966-2-1.
 fn signal(light: f64) -> u8 {
-    let light = light.clamp(0.0, 1.0);
-    let signal = if light <= 0.0031308 {
-        12.92 * light
-    } else {
-        1.055 * light.powf(1.0 / 2.4) - 0.055
-    };
-    (signal * 255.0).round() as u8
+    (srgb(light) * 255.0).round() as u8
 }
 
 /// Places in a texture in steps of 2^-12, moved by whole turns so that they lie about 0.

@@ -97,6 +97,19 @@ impl Entry {
     }
 }
 
+/// A part of a mesh's entry in the table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    Grid,
+    Unit,
+    Layers,
+    Zero,
+    Nodes,
+    Treelets,
+    /// How many bytes its parts have.
+    Bytes,
+}
+
 /// What is wrong with baked meshes from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakedError {
@@ -111,7 +124,7 @@ pub enum BakedError {
     /// A byte is not what it was.
     Checksum { expected: u32, found: u32 },
     /// A mesh's grid, unit or number of bytes is none.
-    Entry { mesh: u16 },
+    Entry { mesh: u16, field: Field },
     /// There is no such mesh.
     NoMesh { mesh: u16, meshes: u16 },
 }
@@ -137,7 +150,18 @@ impl core::fmt::Display for BakedError {
                     "checksum {found:08x} instead of {expected:08x}: a byte has changed"
                 )
             }
-            Self::Entry { mesh } => write!(f, "the table's entry of mesh {mesh} makes no sense"),
+            Self::Entry { mesh, field } => {
+                let field = match field {
+                    Field::Grid => "its grid reaches too far",
+                    Field::Unit => "its unit is none",
+                    Field::Layers => "its vertices say what this version does not know",
+                    Field::Zero => "a byte that must be 0 is not",
+                    Field::Nodes => "its nodes are no whole number of nodes",
+                    Field::Treelets => "its treelets are no whole number of treelets",
+                    Field::Bytes => "its parts are larger than memory, or not all there",
+                };
+                write!(f, "the table's entry of mesh {mesh}: {field}")
+            }
             Self::NoMesh { mesh, meshes } => write!(f, "there is no mesh {mesh}, but {meshes} of them"),
         }
     }
@@ -185,24 +209,14 @@ impl<'a> Baked<'a> {
             <[Entry]>::ref_from_prefix_with_elems(rest, meshes).map_err(|_| short(needed))?;
         let mut end = 0usize;
         for (mesh, entry) in (0..).zip(table) {
-            let wrong = BakedError::Entry { mesh };
+            let wrong = |field| BakedError::Entry { mesh, field };
             for part in entry.parts {
                 end = padded(part.get())
                     .and_then(|part| end.checked_add(part))
-                    .ok_or(wrong)?;
+                    .ok_or(wrong(Field::Bytes))?;
             }
-            let [nodes, treelets, ..] = entry.parts.map(|part| part.get() as usize);
-            let whole =
-                nodes.is_multiple_of(size_of::<Node>()) && treelets.is_multiple_of(size_of::<Treelet>());
-            let is_unit =
-                Unit::new(entry.fraction_bits.into()).fraction_bits() == i32::from(entry.fraction_bits);
-            if !whole
-                || !is_unit
-                || entry.zero != 0
-                || Layers::from_bits(entry.layers).is_none()
-                || entry.grid().is_none()
-            {
-                return Err(wrong);
+            if let Some(field) = entry.fault() {
+                return Err(wrong(field));
             }
         }
         if end != parts.len() {
@@ -225,7 +239,7 @@ impl<'a> Baked<'a> {
     /// A mesh as a scene borrows it.
     pub fn mesh(&self, mesh: u16) -> Result<Mesh<'a>, BakedError> {
         let entry = self.entry(mesh)?;
-        let wrong = BakedError::Entry { mesh };
+        let wrong = |field| BakedError::Entry { mesh, field };
         let before = self.table.iter().take(mesh.into()).flat_map(|entry| entry.parts);
         let mut start = before
             .filter_map(|part| padded(part.get()))
@@ -236,18 +250,21 @@ impl<'a> Baked<'a> {
             Some(part)
         };
         let [nodes, treelets, vertices, leaves] = entry.parts;
-        let (nodes, treelets) = (next(nodes).ok_or(wrong)?, next(treelets).ok_or(wrong)?);
+        let (nodes, treelets) = (
+            next(nodes).ok_or(wrong(Field::Bytes))?,
+            next(treelets).ok_or(wrong(Field::Bytes))?,
+        );
         let [low, high] = entry.bounds.map(|corner| corner.map(U16::get));
         Ok(Mesh {
             triangles: Triangles::Packed(PackedMesh {
-                grid: entry.grid().ok_or(wrong)?,
+                grid: entry.grid().ok_or(wrong(Field::Grid))?,
                 bounds: Bounds { low, high },
-                layers: Layers::from_bits(entry.layers).ok_or(wrong)?,
-                treelets: <[Treelet]>::ref_from_bytes(treelets).map_err(|_| wrong)?,
-                vertices: next(vertices).ok_or(wrong)?,
-                leaves: next(leaves).ok_or(wrong)?,
+                layers: Layers::from_bits(entry.layers).ok_or(wrong(Field::Layers))?,
+                treelets: <[Treelet]>::ref_from_bytes(treelets).map_err(|_| wrong(Field::Treelets))?,
+                vertices: next(vertices).ok_or(wrong(Field::Bytes))?,
+                leaves: next(leaves).ok_or(wrong(Field::Bytes))?,
             }),
-            nodes: <[Node]>::ref_from_bytes(nodes).map_err(|_| wrong)?,
+            nodes: <[Node]>::ref_from_bytes(nodes).map_err(|_| wrong(Field::Nodes))?,
         })
     }
 
@@ -261,6 +278,27 @@ impl<'a> Baked<'a> {
 }
 
 impl Entry {
+    /// What of it makes no sense by itself.
+    fn fault(&self) -> Option<Field> {
+        let [nodes, treelets, ..] = self.parts.map(|part| part.get() as usize);
+        let unit = i32::from(self.fraction_bits);
+        if !nodes.is_multiple_of(size_of::<Node>()) {
+            Some(Field::Nodes)
+        } else if !treelets.is_multiple_of(size_of::<Treelet>()) {
+            Some(Field::Treelets)
+        } else if Unit::new(unit).fraction_bits() != unit {
+            Some(Field::Unit)
+        } else if Layers::from_bits(self.layers).is_none() {
+            Some(Field::Layers)
+        } else if self.zero != 0 {
+            Some(Field::Zero)
+        } else if self.grid().is_none() {
+            Some(Field::Grid)
+        } else {
+            None
+        }
+    }
+
     fn grid(&self) -> Option<Grid> {
         Grid::new(Point(self.origin.map(I32::get)), self.shift)
     }

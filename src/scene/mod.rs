@@ -27,7 +27,7 @@ use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 use distant::Ball;
 
 pub use arrange::{Arrangement, Boxed, arrange};
-pub use baked::{Baked, BakedError, Entry as BakedEntry, Head as BakedHead};
+pub use baked::{Baked, BakedError, Entry as BakedEntry, Field as BakedField, Head as BakedHead};
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
 pub use check::SceneError;
 pub use query::Seen;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::desc::{TextureDesc, Vec3};
+use crate::picture::from_srgb;
 
 /// The mean of a picture's texels as they are stored, and of the light they stand for (sRGB), each 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,15 +58,6 @@ pub(super) fn decode(name: &str, bytes: &[u8], nearest: bool, raw: bool) -> Resu
             .collect(),
         nearest,
     }))
-}
-
-/// IEC 61966-2-1.
-fn from_srgb(signal: f64) -> f64 {
-    if signal <= 0.04045 {
-        signal / 12.92
-    } else {
-        ((signal + 0.055) / 1.055).powf(2.4)
-    }
 }
 
 #[cfg(test)]

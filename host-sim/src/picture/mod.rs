@@ -120,6 +120,15 @@ pub fn srgb(linear: f64) -> f64 {
     }
 }
 
+/// The light that an sRGB signal stands for (IEC 61966-2-1), both 0..1.
+pub fn from_srgb(signal: f64) -> f64 {
+    if signal <= 0.04045 {
+        signal / 12.92
+    } else {
+        ((signal + 0.055) / 1.055).powf(2.4)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

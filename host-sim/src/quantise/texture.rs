@@ -6,6 +6,7 @@ use std::sync::Arc;
 use color_quant::NeuQuant;
 use microlux::material::{Filter, Texels, Texture};
 
+use super::signal;
 use crate::desc::{TextureDesc, Vec3};
 
 /// A texture by value.
@@ -89,15 +90,6 @@ impl OwnedTexture {
 /// Network 5(3), 1994) on sRGB signals, by what the eye sees; each palette entry is then the mean light of its texels, so
 /// that the picture's is kept.
 fn reduced(texels: &[Vec3]) -> (Vec<[u16; 3]>, Vec<usize>) {
-    let signal = |light: f64| {
-        let light = light.clamp(0.0, 1.0);
-        let signal = if light <= 0.0031308 {
-            12.92 * light
-        } else {
-            1.055 * light.powf(1.0 / 2.4) - 0.055
-        };
-        (signal * 255.0).round() as u8
-    };
     let bytes: Vec<u8> = texels
         .iter()
         .flat_map(|&[r, g, b]| [signal(r), signal(g), signal(b), 255])

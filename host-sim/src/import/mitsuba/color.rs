@@ -4,6 +4,7 @@ use super::super::ImportError;
 use super::params::{number, numbers, value};
 use super::tree::Element;
 use crate::desc::Vec3;
+use crate::picture::from_srgb;
 
 /// What a colour measures, which decides its range and what a single spectral number means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -75,16 +76,7 @@ fn hexadecimal(digits: &str) -> Option<Vec3> {
         return None;
     }
     let code = u32::from_str_radix(digits, 16).ok()?;
-    Some([16, 8, 0].map(|shift| linear(f64::from(code >> shift & 0xff) / 255.0)))
-}
-
-/// The sRGB transfer curve (IEC 61966-2-1), from code 0..1 to light 0..1.
-fn linear(code: f64) -> f64 {
-    if code <= 0.04045 {
-        code / 12.92
-    } else {
-        ((code + 0.055) / 1.055).powf(2.4)
-    }
+    Some([16, 8, 0].map(|shift| from_srgb(f64::from(code >> shift & 0xff) / 255.0)))
 }
 
 #[cfg(test)]
