@@ -118,10 +118,8 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug)]
 pub struct Vertex<'a> {
     pub surface: Surface,
-    /// Of a mesh with smooth normals: the one between them.
-    pub shading: Option<Dir>,
-    /// What the material's own colour is multiplied by, if anything.
-    pub tint: Option<Albedo>,
+    /// What a mesh's vertices say of it.
+    pub told: Told,
     /// Back along the ray.
     pub wo: Dir,
     pub material: &'a Material,
@@ -134,15 +132,20 @@ pub struct Vertex<'a> {
     pub id: u16,
 }
 
-/// What the material does here. It sees the shading normal, but the geometric one decides sides (Veach 1997, section 5.3):
-///
-/// - where the two put the eye on different sides, at a smooth mesh's outline, the material sees the geometric one;
-/// - light goes nowhere where they put its direction on different sides, or else it would leak through the surface.
-impl Vertex<'_> {
+/// What the vertices of a mesh say of a hit beside where it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Told {
+    /// The normal for shading between theirs.
+    pub shading: Option<Dir>,
+    /// What the material's own colour is multiplied by.
+    pub tint: Option<Albedo>,
+}
+
+/// Out of the way of all that have none, and without the vertex, which then can stay in registers.
+impl Told {
     /// As seen along `wo`.
     #[inline]
-    fn local(&self, wo: Dir) -> Local {
-        let geometric = self.surface.normal;
+    fn local(&self, geometric: Dir, wo: Dir) -> Local {
         let normal = match self.shading {
             Some(shading) if are_one_side(shading, geometric, wo) => shading,
             _ => geometric,
@@ -150,16 +153,62 @@ impl Vertex<'_> {
         Local { normal, wo }
     }
 
+    fn leaks(&self, local: &Local, geometric: Dir, wi: Dir) -> bool {
+        self.shading.is_some() && !are_one_side(local.normal, geometric, wi)
+    }
+
+    fn tinted(&self, material: &Material) -> Material {
+        match self.tint {
+            None => *material,
+            Some(tint) => material.tinted(tint),
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn eval(&self, material: &Material, geometric: Dir, wo: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
+        let local = self.local(geometric, wo);
+        if self.leaks(&local, geometric, wi) {
+            return None;
+        }
+        self.tinted(material).eval(&local, wi)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn pdf(&self, material: &Material, geometric: Dir, wo: Dir, wi: Dir) -> Wide {
+        let local = self.local(geometric, wo);
+        if self.leaks(&local, geometric, wi) {
+            return Wide::ZERO;
+        }
+        material.pdf(&local, wi)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn sample(
+        &self,
+        material: &Material,
+        geometric: Dir,
+        wo: Dir,
+        (u, lobe): ([Uniform; 2], Uniform),
+    ) -> Option<BsdfSample> {
+        let local = self.local(geometric, wo);
+        let sample = self.tinted(material).sample(&local, u, lobe)?;
+        (!self.leaks(&local, geometric, sample.wi)).then_some(sample)
+    }
+}
+
+/// What the material does here. It sees the shading normal, but the geometric one decides sides (Veach 1997, section 5.3):
+///
+/// - where the two put the eye on different sides, at a smooth mesh's outline, the material sees the geometric one;
+/// - light goes nowhere where they put its direction on different sides, or else it would leak through the surface.
+impl Vertex<'_> {
     /// The normal that shading sees, on the eye's side.
     #[inline]
     pub fn facing(&self) -> Dir {
-        let Local { normal, wo } = self.local(self.wo);
+        let Local { normal, wo } = self.told.local(self.surface.normal, self.wo);
         if wo.dot_q24(normal) < 0 { -normal } else { normal }
-    }
-
-    #[inline]
-    fn leaks(&self, local: &Local, wi: Dir) -> bool {
-        self.shading.is_some() && !are_one_side(local.normal, self.surface.normal, wi)
     }
 
     /// [`Material::eval`] of light that comes from `wi`.
@@ -171,65 +220,69 @@ impl Vertex<'_> {
     /// The same of light on its way to `wo`.
     #[inline]
     pub fn eval_towards(&self, wo: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
-        let local = self.local(wo);
-        if self.leaks(&local, wi) {
-            return None;
+        if self.is_plain() {
+            let normal = self.surface.normal;
+            return self.material.eval(&Local { normal, wo }, wi);
         }
-        match self.tint {
-            None => self.material.eval(&local, wi),
-            Some(tint) => self.material.tinted(tint).eval(&local, wi),
-        }
+        self.told.eval(self.material, self.surface.normal, wo, wi)
     }
 
     /// [`Material::pdf`] of `wi`, coming along `wo`.
     #[inline]
     pub fn pdf(&self, wo: Dir, wi: Dir) -> Wide {
-        let local = self.local(wo);
-        if self.leaks(&local, wi) {
-            return Wide::ZERO;
+        if self.is_plain() {
+            let normal = self.surface.normal;
+            return self.material.pdf(&Local { normal, wo }, wi);
         }
-        self.material.pdf(&local, wi)
+        self.told.pdf(self.material, self.surface.normal, wo, wi)
     }
 
     /// [`Material::sample`].
     #[inline]
     pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
-        let local = self.local(self.wo);
-        let sample = match self.tint {
-            None => self.material.sample(&local, u, lobe),
-            Some(tint) => self.material.tinted(tint).sample(&local, u, lobe),
-        }?;
-        (!self.leaks(&local, sample.wi)).then_some(sample)
+        if self.is_plain() {
+            let local = Local {
+                normal: self.surface.normal,
+                wo: self.wo,
+            };
+            return self.material.sample(&local, u, lobe);
+        }
+        self.told
+            .sample(self.material, self.surface.normal, self.wo, (u, lobe))
+    }
+
+    /// Neither smooth normals nor colours: most shapes, for which the rest shall not be in the way.
+    #[inline]
+    fn is_plain(&self) -> bool {
+        self.told.shading.is_none() && self.told.tint.is_none()
     }
 
     /// [`Material::albedo`].
     pub fn albedo(&self) -> Albedo {
-        match self.tint {
-            None => self.material.albedo(),
-            Some(tint) => self.material.tinted(tint).albedo(),
-        }
+        self.told.tinted(self.material).albedo()
     }
 
     /// [`Material::eta_squared`].
     #[inline]
     pub fn eta_squared(&self, wi: Dir) -> Wide {
-        self.material.eta_squared(&self.local(self.wo), wi)
+        self.material
+            .eta_squared(&self.told.local(self.surface.normal, self.wo), wi)
     }
 
     /// Whether light is reflected as well one way as the other, but for [`Self::eta_squared`].
     #[inline]
     pub fn is_reciprocal(&self) -> bool {
-        self.shading.is_none() && self.material.is_reciprocal()
+        self.told.shading.is_none() && self.material.is_reciprocal()
     }
 
     /// What light that a mirror or glass sends from `wo` to `wi` gains over radiance that goes the other way: the squared
     /// ratio of refractive indices, and with a shading normal n_s beside n_g |n_s·wo| |n_g·wi| / (|n_g·wo| |n_s·wi|)
     /// (Veach 1997, equation 5.19).
     pub fn specular_light_gain(&self, sample: &BsdfSample) -> Wide {
-        if self.shading.is_none() {
+        if self.told.shading.is_none() {
             return sample.eta_squared;
         }
-        let (local, wi) = (self.local(self.wo), sample.wi);
+        let (local, wi) = (self.told.local(self.surface.normal, self.wo), sample.wi);
         let cos = |a: Dir, b: Dir| Wide::new(a.dot_q24(b).unsigned_abs().max(1), -24);
         let (shading, geometric) = (local.normal, self.surface.normal);
         let gain =
@@ -312,13 +365,11 @@ impl<'a> Scene<'a> {
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
         let shape = self.parts.shapes.get(hit.shape as usize);
-        let mut said = Said::default();
+        let mut said = Told::default();
         let surface = shape
-            .and_then(|shape| match shape.geometry {
-                Geometry::Mesh(mesh) => self.mesh_surface(mesh, hit, shape.tint, &mut said),
-                Geometry::Instance(ref instance) => {
-                    self.instance_surface(instance, hit, shape.tint, &mut said)
-                }
+            .and_then(|shape| match &shape.geometry {
+                Geometry::Mesh(mesh) => self.mesh_surface(*mesh, hit, shape.tint, &mut said),
+                Geometry::Instance(instance) => self.instance_surface(instance, hit, shape.tint, &mut said),
                 Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
@@ -338,8 +389,7 @@ impl<'a> Scene<'a> {
         };
         Vertex {
             surface,
-            shading: said.shading,
-            tint: said.tint,
+            told: said,
             wo,
             material: material.unwrap_or(&Material::Black),
             light,
@@ -444,13 +494,14 @@ impl<'a> Scene<'a> {
         })
     }
 
+    #[cold]
     #[inline(never)]
     fn instance_surface(
         &self,
         instance: &Instance,
         hit: &Hit,
         tint: Tint,
-        said: &mut Said,
+        said: &mut Told,
     ) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(instance.mesh as usize)?.triangles;
         let local = self.mesh_surface(instance.mesh, hit, tint, said)?;
@@ -462,7 +513,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    fn mesh_surface(&self, mesh: u16, hit: &Hit, tint: Tint, said: &mut Said) -> Option<Surface> {
+    fn mesh_surface(&self, mesh: u16, hit: &Hit, tint: Tint, said: &mut Told) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         let [b1, b2] = hit.barycentric;
         let hit = MeshHit {
@@ -488,11 +539,4 @@ impl<'a> Scene<'a> {
             lift: mesh.offset(),
         })
     }
-}
-
-/// What a mesh says of a hit beside where it is.
-#[derive(Default)]
-struct Said {
-    shading: Option<Dir>,
-    tint: Option<Albedo>,
 }

@@ -113,11 +113,9 @@ impl Scene<'_> {
                 continue;
             };
             let t_max = nearest.map_or(FAR + 1, |hit| hit.t);
-            let found = match self.parts.shapes.get(shape as usize).map(|shape| shape.geometry) {
+            let found = match self.parts.shapes.get(shape as usize).map(|shape| &shape.geometry) {
                 Some(Geometry::Mesh(_)) => self.intersect(shape as usize, ray, &Slopes::new(ray.dir), t_max),
-                Some(form) => self
-                    .form(&form, ray, t_max)
-                    .map(|t| Hit::of_form(shape.into(), t)),
+                Some(form) => self.form(form, ray, t_max).map(|t| Hit::of_form(shape.into(), t)),
                 None => None,
             };
             nearest = found.or(nearest);
@@ -228,16 +226,23 @@ impl Scene<'_> {
     /// The nearest hit on one shape, at a distance under `t_max`.
     #[inline]
     fn intersect(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
-        let geometry = &self.parts.shapes.get(index)?.geometry;
-        let tree = |mesh: &Mesh, ray: &Ray, slopes: &Slopes, t_max| {
-            bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)
-        };
-        let found = match *geometry {
-            Geometry::Mesh(mesh) => tree(self.mesh(mesh)?, ray, slopes, t_max)?,
-            Geometry::Instance(ref instance) => self.instance(instance, ray, t_max, tree)?,
-            _ => return Some(Hit::of_form(index, self.form(geometry, ray, t_max)?)),
+        let found = match &self.parts.shapes.get(index)?.geometry {
+            Geometry::Mesh(mesh) => {
+                let mesh = self.mesh(*mesh)?;
+                bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)?
+            }
+            Geometry::Instance(instance) => self.closest_of_instance(instance, ray, t_max)?,
+            form => return Some(Hit::of_form(index, self.form(form, ray, t_max)?)),
         };
         Some(Hit::of_mesh(index, found))
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn closest_of_instance(&self, instance: &Instance, ray: &Ray, t_max: i32) -> Option<MeshHit> {
+        self.instance(instance, ray, t_max, |mesh, ray, slopes, t_max| {
+            bvh::closest(&mesh.triangles, mesh.nodes, ray, slopes, t_max)
+        })
     }
 
     fn intersect_linear(&self, index: usize, ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<Hit> {
@@ -258,7 +263,6 @@ impl Scene<'_> {
     }
 
     /// A hit in an instance's mesh, in its frame but for the distance.
-    #[inline(never)]
     fn instance(
         &self,
         instance: &Instance,
@@ -276,6 +280,7 @@ impl Scene<'_> {
     }
 
     /// Whether anything of an instance is nearer than `distance`.
+    #[cold]
     #[inline(never)]
     fn instance_occludes(&self, instance: &Instance, ray: &Ray, distance: i32) -> bool {
         let (Some(mesh), Some(local)) = (self.mesh(instance.mesh), instance.enter(ray)) else {

@@ -1,5 +1,5 @@
 use crate::geom::{Dir, Point, Ray};
-use crate::num::{leading_zeros, mul_shift, recip, short_recip};
+use crate::num::{leading_zeros, mul_q16, mul_shift, recip, short_recip};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -187,7 +187,12 @@ impl Slopes {
         let down = if r.shift < 32 + BITS { 1 } else { 2 };
         let inverse = ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32;
         let signed = if dk < 0 { -inverse } else { inverse };
-        let fine = [mul_shift(signed, dx, BITS), mul_shift(signed, dy, BITS)];
+        // The same product; what has one word less to shift is cheaper where words are narrow.
+        let slope = |d: i32| match BITS {
+            16 => mul_q16(signed, d),
+            bits => mul_shift(signed, d, bits),
+        };
+        let fine = [slope(dx), slope(dy)];
         let slopes =
             fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
         Slopes {
