@@ -61,7 +61,10 @@ fuzz_target!(|input: Input| {
         grid,
         vertices: &vertices,
         triangles: &triangles,
-        attributes: Attributes { normals: &normals, ..Attributes::NONE },
+        attributes: Attributes {
+            normals: &normals,
+            ..Attributes::NONE
+        },
     });
     if let Err(error) = check_mesh(&mesh, &nodes) {
         assert!(!built, "the core's own tree is refused: {error}");
