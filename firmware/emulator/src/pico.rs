@@ -149,7 +149,12 @@ pub fn run(run: &Run) -> Result<Shown> {
     if let Some(file) = run.json {
         fs::write(file, &report).with_context(|| file.display().to_string())?;
     }
-    let report = serde_json::from_str(&report)?;
+    let report: Value = serde_json::from_str(&report)?;
+    if let Some(cycles) = cycles_a_ray(&report, rays) {
+        println!(
+            "{rays} rays in the last pass; {cycles:.0} cycles of both cores for each, shading and display with them"
+        );
+    }
     Ok(Shown {
         depths: stacks(&program, NAMES[run.goal.scene], &report)?,
         rgb: shown,
@@ -173,6 +178,15 @@ fn stacks(program: &Path, scene: &str, report: &Value) -> Result<Vec<Depth>> {
         depths.push(depth);
     }
     Ok(depths)
+}
+
+/// Between the end of the last pass but one and that of the last.
+fn cycles_a_ray(report: &Value, rays: u32) -> Option<f64> {
+    let [.., before, last] = &report["frame_ms"].as_array()?[..] else {
+        return None;
+    };
+    let seconds = (last.as_f64()? - before.as_f64()?) / 1e3;
+    (rays > 0).then_some(2.0 * seconds * report["clock_hz"].as_f64()? / f64::from(rays))
 }
 
 fn bake(file: &Path) -> Result<Baked> {
