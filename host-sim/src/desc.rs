@@ -234,7 +234,8 @@ pub struct MeshDesc {
     pub uvs: Vec<[f64; 2]>,
 }
 
-/// A mesh at a place of its own, p = `at` + `scale` Σ `axes`[i] q[i]; those of one `mesh` share it.
+/// A mesh at a place of its own: scaled, turned so that its axes point along `axes`, and moved to `at`. Those of one `mesh`
+/// share it.
 #[derive(Clone, Debug)]
 pub struct InstanceDesc {
     pub mesh: Arc<MeshDesc>,

@@ -63,7 +63,7 @@ pub const STEPS: [Step; 9] = [
     },
     Step {
         name: "fuzz",
-        about: "a quarter of a minute for each target of fuzz/, from the corpus that is kept",
+        about: "20,000 inputs for each target of fuzz/, from the corpus that is kept",
         needs: &[Part::Host, Part::Fuzz],
         run: fuzz::check,
     },
