@@ -1,6 +1,6 @@
 //! Solids given by a function in the core's numbers.
 
-use super::{Rounding, dir};
+use super::rounding::{Rounding, dir};
 use crate::desc::{BallDesc, BoundDesc, CapsuleDesc, ImplicitDesc, PartDesc, Vec3};
 use microlux::shape::{
     Blob, Bound, Capsule, Gyroid, Implicit, MAX_BLOBS, Metaballs, RoundedBox, SmoothUnion, Torus,

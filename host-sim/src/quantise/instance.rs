@@ -7,7 +7,8 @@ use microlux::geom::{Point, Rotation};
 use microlux::num::Metres;
 use microlux::shape::Instance;
 
-use super::{OwnedMesh, QuantiseError, Rounding};
+use super::rounding::Rounding;
+use super::{OwnedMesh, QuantiseError};
 use crate::desc::{GeometryDesc, InstanceDesc, MeshDesc, SceneDesc, TintDesc, Vec3};
 
 /// The frame that all instances of a mesh share: units as fine as the scene's where the largest of them stands, or up to

@@ -1,6 +1,7 @@
 //! Materials in the core's numbers.
 
-use super::{QuantiseError, albedo};
+use super::QuantiseError;
+use super::rounding::albedo;
 use crate::desc::{BsdfDesc, OrenNayarModel, Vec3};
 use fixed::traits::Fixed;
 use microlux::material::{BlinnPhong, Conductor, Dielectric, Index, Material, OrenNayar, RoughDielectric};

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use color_quant::NeuQuant;
 use microlux::material::{Filter, Texels, Texture};
 
-use super::signal;
+use super::mesh::signal;
+use super::rounding::albedo;
 use crate::desc::{TextureDesc, Vec3};
 
 /// A texture by value.
@@ -30,7 +31,7 @@ const SAMPLING: i32 = 1;
 
 impl OwnedTexture {
     pub fn new(desc: &TextureDesc) -> OwnedTexture {
-        let shares = |color: &Vec3| color.map(|c| (c.clamp(0.0, 1.0) * 32768.0).round() as u16);
+        let shares = |color: &Vec3| albedo(*color).0.map(|share| share.to_bits());
         let mut palette = Vec::new();
         let mut known = HashMap::new();
         let mut numbers: Vec<usize> = Vec::with_capacity(desc.texels.len());
