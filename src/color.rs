@@ -10,10 +10,15 @@ impl Albedo {
     pub const BLACK: Albedo = Albedo([Share::ZERO; 3]);
     pub const WHITE: Albedo = Albedo([Share::ONE; 3]);
 
+    /// Of shares in 2^-15.
+    pub const fn from_bits([r, g, b]: [u16; 3]) -> Albedo {
+        Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
+    }
+
     /// Of an sRGB signal (IEC 61966-2-1), each channel to the nearest share.
     #[inline]
     pub fn from_srgb(signal: [u8; 3]) -> Albedo {
-        Albedo(signal.map(|byte| Share::from_bits(SRGB[usize::from(byte)])))
+        Albedo::from_bits(signal.map(|byte| SRGB[usize::from(byte)]))
     }
 
     /// Shares of shares, each rounded to nearest.
@@ -21,9 +26,9 @@ impl Albedo {
     pub fn times(self, other: Albedo) -> Albedo {
         let product = |i: usize| {
             let bits = u32::from(self.0[i].to_bits()) * u32::from(other.0[i].to_bits());
-            Share::from_bits(((bits + (1 << 14)) >> 15) as u16)
+            ((bits + (1 << 14)) >> 15) as u16
         };
-        Albedo([product(0), product(1), product(2)])
+        Albedo::from_bits([product(0), product(1), product(2)])
     }
 
     /// Whether every channel is at most 1.

@@ -32,8 +32,18 @@ fn texture() -> Texture<'static> {
     }
 }
 
-/// A square of side 2 · 10,000 units about the origin, in the plane z = 0, as `tint` has it.
 fn with<R>(
+    tint: Tint,
+    attributes: Attributes,
+    place: impl Fn(u16) -> Geometry,
+    look: impl FnOnce(Result<Scene, SceneError>) -> R,
+) -> R {
+    with_texture(texture(), tint, attributes, place, look)
+}
+
+/// A square of side 2 · 10,000 units about the origin, in the plane z = 0, as `tint` has it.
+fn with_texture<R>(
+    texture: Texture,
     tint: Tint,
     attributes: Attributes,
     place: impl Fn(u16) -> Geometry,
@@ -60,7 +70,7 @@ fn with<R>(
         .into(),
         nodes: &tree[..used],
     }];
-    let textures = [texture()];
+    let textures = [texture];
     let mut builder = SceneBuilder::<1, 1, 1>::new();
     let white = builder.material(Material::lambert(Albedo::WHITE)).unwrap();
     builder.tinted(place(0), white, tint).unwrap();
@@ -220,5 +230,8 @@ fn what_is_not_there_is_named() {
         palette: &[],
         ..self::texture()
     };
-    assert_eq!(broken.check(), Err(TextureError::Palette { colors: 0 }));
+    let error = TextureError::Palette { colors: 0 };
+    let texture = 0;
+    let found = with_texture(broken, Tint::Texture(0), placed, mesh, |scene| scene.unwrap_err());
+    assert_eq!(found, SceneError::Texture { texture, error });
 }

@@ -60,10 +60,6 @@ impl Writer<'_, '_> {
             "/// {shapes} shapes, {materials} materials, {lights} lights.\n\
              pub type Builder = SceneBuilder<{shapes}, {materials}, {lights}>;\n"
         )?;
-        self.out.push_str(
-            "#[allow(dead_code)]\nconst fn rgb(bits: [u16; 3]) -> Albedo {\n    let [r, g, b] = bits;\n    \
-             Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])\n}\n\n",
-        );
         self.statics()?;
         self.borrowed()?;
         writeln!(
@@ -286,7 +282,7 @@ fn solid_of(solid: &Implicit) -> String {
 }
 
 fn rgb(Albedo(color): Albedo) -> String {
-    format!("rgb({:?})", color.map(|c| c.to_bits()))
+    format!("Albedo::from_bits({:?})", color.map(|c| c.to_bits()))
 }
 
 /// The same bits: mantissas over 2^15.

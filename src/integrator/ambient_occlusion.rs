@@ -5,8 +5,8 @@ use crate::sampler::{Sampler, warp};
 
 /// How open the surface is that the camera sees: the share of the hemisphere above it, by cosine, where nothing stands.
 ///
-/// (1/π) ∫ V cos θ dω about the shading normal on the eye's side, V being 1 where a ray meets nothing within the radius (Landis,
-/// "Production-Ready Global Illumination", SIGGRAPH course notes 16, 2002). Materials count for nothing, lights are
+/// (1/π) ∫ V cos θ dω about the shading normal on the eye's side, V being 1 where a ray meets nothing within the radius
+/// (Landis, "Production-Ready Global Illumination", SIGGRAPH course notes 16, 2002). Materials count for nothing, lights are
 /// shapes like others, and where the camera sees nothing it is black.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AmbientOcclusion {

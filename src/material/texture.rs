@@ -130,10 +130,10 @@ impl Texture<'_> {
     }
 
     /// A texel's colour; black for one there is not.
-    fn texel(&self, x: u32, y: u32) -> [u32; 3] {
+    fn texel(&self, x: u32, y: u32) -> [u16; 3] {
         let number = self.number(x as u16, y as u16);
         let color = number.and_then(|number| self.palette.get(usize::from(number)));
-        color.map_or([0; 3], |color| color.map(u32::from))
+        color.copied().unwrap_or_default()
     }
 
     /// The colour at coordinates in Q16: of the nearest texels exactly, between them to 2^-8 of their difference.
@@ -143,7 +143,7 @@ impl Texture<'_> {
         let place = [0, 1].map(|axis| (uv[axis] as u32 & 0xffff) * size[axis]);
         let [x, y] = place;
         if self.filter == Filter::Nearest {
-            return albedo(self.texel(x >> 16, y >> 16));
+            return Albedo::from_bits(self.texel(x >> 16, y >> 16));
         }
         // From the middle of one texel to the next's; before the first is the last.
         let [(x0, x1, fx), (y0, y1, fy)] = [0, 1].map(|axis| {
@@ -157,18 +157,15 @@ impl Texture<'_> {
             let next = if first + 1 == size { 0 } else { first + 1 };
             (first, next, before >> 8 & 0xff)
         });
-        let [a, b, c, d] = [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| self.texel(x, y));
+        let [a, b, c, d] =
+            [(x0, y0), (x1, y0), (x0, y1), (x1, y1)].map(|(x, y)| self.texel(x, y).map(u32::from));
         // Weights of 2^16 together, shares of 2^15 at most: under 2^31.
-        albedo([0, 1, 2].map(|i| {
+        Albedo::from_bits([0, 1, 2].map(|i| {
             let above = a[i] * (256 - fx) + b[i] * fx;
             let below = c[i] * (256 - fx) + d[i] * fx;
-            (above * (256 - fy) + below * fy + (1 << 15)) >> 16
+            ((above * (256 - fy) + below * fy + (1 << 15)) >> 16) as u16
         }))
     }
-}
-
-fn albedo(bits: [u32; 3]) -> Albedo {
-    Albedo(bits.map(|c| Share::from_bits(c as u16)))
 }
 
 #[cfg(test)]
@@ -194,7 +191,7 @@ mod tests {
         let rows = [[0, 1, 2], [1, 2, 0]];
         for (y, row) in rows.into_iter().enumerate() {
             for (x, number) in row.into_iter().enumerate() {
-                let color = albedo(PALETTE[number].map(u32::from));
+                let color = Albedo::from_bits(PALETTE[number]);
                 // Its first and last coordinate, and repeated.
                 for (part, turn) in [(1, 0), (21_844, 5), (10_000, -3)] {
                     let u = (turn << 16) + (x as i32 * 65_536 + 2) / 3 + part.min(21_843);

@@ -184,13 +184,14 @@ impl<'a> Scene<'a> {
                         mesh,
                     });
                 }
-                // As it is placed, and in its own frame.
-                for geometry in [shape.geometry, Geometry::Mesh(mesh)] {
-                    if let Some((low, high)) = reach(&geometry, parts.meshes, parts.blobs)
-                        && (is_far(low) || is_far(high))
-                    {
-                        return Err(SceneError::TooFar { shape: shape.id });
-                    }
+                let far = |geometry: &Geometry| {
+                    let reach = reach(geometry, parts.meshes, parts.blobs);
+                    reach.is_some_and(|(low, high)| is_far(low) || is_far(high))
+                };
+                // As it is placed, and an instance's in its own frame, too.
+                let is_instance = matches!(shape.geometry, Geometry::Instance(_));
+                if far(&shape.geometry) || (is_instance && far(&Geometry::Mesh(mesh))) {
+                    return Err(SceneError::TooFar { shape: shape.id });
                 }
             }
             let mesh = mesh_of(&shape.geometry).and_then(|mesh| parts.meshes.get(mesh as usize));

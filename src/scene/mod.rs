@@ -365,11 +365,11 @@ impl<'a> Scene<'a> {
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
         let shape = self.parts.shapes.get(hit.shape as usize);
-        let mut said = Told::default();
+        let mut told = Told::default();
         let surface = shape
             .and_then(|shape| match &shape.geometry {
-                Geometry::Mesh(mesh) => self.mesh_surface(*mesh, hit, shape.tint, &mut said),
-                Geometry::Instance(instance) => self.instance_surface(instance, hit, shape.tint, &mut said),
+                Geometry::Mesh(mesh) => self.mesh_surface(*mesh, hit, shape.tint, &mut told),
+                Geometry::Instance(instance) => self.instance_surface(instance, hit, shape.tint, &mut told),
                 Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
                 geometry => geometry.surface(near),
             })
@@ -389,7 +389,7 @@ impl<'a> Scene<'a> {
         };
         Vertex {
             surface,
-            told: said,
+            told,
             wo,
             material: material.unwrap_or(&Material::Black),
             light,
@@ -501,11 +501,11 @@ impl<'a> Scene<'a> {
         instance: &Instance,
         hit: &Hit,
         tint: Tint,
-        said: &mut Told,
+        told: &mut Told,
     ) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(instance.mesh as usize)?.triangles;
-        let local = self.mesh_surface(instance.mesh, hit, tint, said)?;
-        said.shading = said.shading.map(|normal| instance.direction(normal));
+        let local = self.mesh_surface(instance.mesh, hit, tint, told)?;
+        told.shading = told.shading.map(|normal| instance.direction(normal));
         Some(Surface {
             point: instance.place(local.point),
             normal: instance.direction(local.normal),
@@ -513,7 +513,7 @@ impl<'a> Scene<'a> {
         })
     }
 
-    fn mesh_surface(&self, mesh: u16, hit: &Hit, tint: Tint, said: &mut Told) -> Option<Surface> {
+    fn mesh_surface(&self, mesh: u16, hit: &Hit, tint: Tint, told: &mut Told) -> Option<Surface> {
         let mesh = &self.parts.meshes.get(mesh as usize)?.triangles;
         let [b1, b2] = hit.barycentric;
         let hit = MeshHit {
@@ -523,14 +523,14 @@ impl<'a> Scene<'a> {
             b2,
         };
         if mesh.is_smooth() {
-            said.shading = mesh.shading_normal(&hit);
+            told.shading = mesh.shading_normal(&hit);
         }
-        said.tint = match tint {
+        told.tint = match tint {
             Tint::None => None,
             Tint::Vertices => mesh.color(&hit),
             Tint::Texture(texture) => {
-                let texture = self.parts.textures.get(texture as usize)?;
-                mesh.uv(&hit).map(|uv| texture.at(uv))
+                let texture = self.parts.textures.get(texture as usize);
+                texture.and_then(|texture| Some(texture.at(mesh.uv(&hit)?)))
             }
         };
         Some(Surface {

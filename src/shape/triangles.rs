@@ -5,7 +5,7 @@ use super::packed::{PackedMesh, Strip};
 use super::triangle::Edge;
 use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
-use crate::num::{ONE_Q16, Share, Wide, mul_q16};
+use crate::num::{ONE_Q16, Wide, mul_q16};
 
 /// The triangles of a mesh, either as they are indexed or packed into few bytes.
 ///
@@ -158,11 +158,11 @@ impl<'a> Triangles<'a> {
     pub fn color(&self, hit: &MeshHit) -> Option<Albedo> {
         let [a, b, c] = self.colors(hit.triangle)?.map(Albedo::from_srgb);
         let first = ONE_Q16 - hit.b1 - hit.b2;
-        Some(Albedo([0, 1, 2].map(|i| {
+        Some(Albedo::from_bits([0, 1, 2].map(|i| {
             let part = |of: Albedo, weight: i32| of.0[i].to_bits() as u32 * weight as u32;
             // Shares of 2^15 and weights of 2^16 together: 2^31 at most.
             let sum = part(a, first) + part(b, hit.b1) + part(c, hit.b2) + (1 << 15);
-            Share::from_bits((sum >> 16) as u16)
+            (sum >> 16) as u16
         })))
     }
 

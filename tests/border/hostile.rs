@@ -11,7 +11,7 @@ use microlux::material::Material;
 use microlux::num::{Metres, Share, Turn};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, Sobol, Stratified, ZSobol};
-use microlux::scene::{Scene, SceneError};
+use microlux::scene::{Scene, SceneError, Tint};
 use microlux::shape::{
     Blob, Bound, Capsule, Disk, Geometry, Grid, Gyroid, Implicit, Instance, Metaballs, Plane, Rectangle,
     RoundedBox, SmoothUnion, Sphere, Torus,
@@ -77,10 +77,11 @@ fn geometry(random: &mut Random, blobs: &[Blob]) -> Geometry {
         4 => Geometry::Mesh(random.below(4) as u16),
         _ => Instance::new(random.below(4) as u16)
             .scaled(Metres::from_bits(number(random)))
-            .turned(
-                Rotation::new([0; 4].map(|_| number(random)))
-                    .unwrap_or(Rotation::about(dir(random), Turn::ZERO)),
-            )
+            .turned(match random.below(3) {
+                0 => Rotation::from_rows([[0; 3]; 3].map(|row| row.map(|_| number(random)))),
+                1 => Rotation::about(dir(random), Turn::from_bits(random.bits())),
+                _ => Rotation::new([0; 4].map(|_| number(random))).unwrap_or(Rotation::NONE),
+            })
             .moved(point(random))
             .into(),
     }
@@ -152,7 +153,11 @@ fn light(random: &mut Random) -> Light {
 /// One thing or another that is wrong, or only unusual.
 fn harm(draft: &mut Draft, random: &mut Random) {
     let shape = random.below(draft.shapes.len());
-    match random.below(15) {
+    match random.below(16) {
+        15 => {
+            let texture = random.below(3) as u16;
+            draft.shapes[shape].tint = random.pick(&[Tint::Vertices, Tint::Texture(texture)]);
+        }
         14 => {
             let place = random.below(draft.blobs.len());
             draft.blobs[place] = blob(random);

@@ -4,7 +4,6 @@ use fixed::types::I12F20;
 use microlux::camera::Camera;
 use microlux::color::{Albedo, Radiance};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::num::Share;
 use microlux::shape::{Disk, Geometry, Plane, Rectangle, Sphere};
 
 use super::QuantiseError;
@@ -131,7 +130,7 @@ pub(super) fn dir(v: Vec3) -> Dir {
 }
 
 pub(super) fn albedo(color: Vec3) -> Albedo {
-    Albedo(color.map(|c| Share::from_bits((c.clamp(0.0, 1.0) * 32768.0).round() as u16)))
+    Albedo::from_bits(color.map(|c| (c.clamp(0.0, 1.0) * 32768.0).round() as u16))
 }
 
 /// To 16 bits of the largest channel, each channel rounded to nearest.

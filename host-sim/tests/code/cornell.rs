@@ -16,12 +16,6 @@ use microlux::{
 pub type Builder = SceneBuilder<16, 4, 1>;
 
 #[allow(dead_code)]
-const fn rgb(bits: [u16; 3]) -> Albedo {
-    let [r, g, b] = bits;
-    Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
-}
-
-#[allow(dead_code)]
 static BLOBS: [Blob; 0] = [];
 
 static TEXTURES: [Texture; 0] = [
@@ -38,10 +32,10 @@ pub fn borrowed<'a>(meshes: &'a [Mesh<'a>]) -> Borrowed<'a> {
 pub fn scene() -> Result<(Builder, Camera), SceneError> {
     let mut b = Builder::with_unit(Unit::new(20));
     let m = [
-        b.material(Material::Lambert { albedo: rgb([24248, 23921, 22938]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([19661, 2294, 1966]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([4260, 14418, 3932]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([0, 0, 0]), two_sided: false })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([24248, 23921, 22938]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([19661, 2294, 1966]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([4260, 14418, 3932]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([0, 0, 0]), two_sided: false })?,
     ];
     b.shape(Rectangle { center: Point([0, -1048576, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), normal: Dir([0, 65536, 0]), half: [1048576, 1048576] }, m[0])?;
     b.shape(Rectangle { center: Point([0, 1048576, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [1048576, 1048576] }, m[0])?;

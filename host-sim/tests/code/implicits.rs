@@ -16,12 +16,6 @@ use microlux::{
 pub type Builder = SceneBuilder<8, 7, 3>;
 
 #[allow(dead_code)]
-const fn rgb(bits: [u16; 3]) -> Albedo {
-    let [r, g, b] = bits;
-    Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
-}
-
-#[allow(dead_code)]
 static BLOBS: [Blob; 6] = [Blob { a: Point([-524288, -660603, 498074]), b: Point([-524288, -660603, 498074]), radius: 272630 }, Blob { a: Point([-325059, -702546, 602931]), b: Point([-325059, -702546, 602931]), radius: 209715 }, Blob { a: Point([-419430, -524288, 419430]), b: Point([-419430, -524288, 419430]), radius: 188744 }, Blob { a: Point([471859, -723517, 524288]), b: Point([471859, -723517, 524288]), radius: 125829 }, Blob { a: Point([498074, -775946, 498074]), b: Point([629146, -534774, 419430]), radius: 52429 }, Blob { a: Point([639631, -503316, 408945]), b: Point([639631, -503316, 408945]), radius: 104858 }];
 
 static TEXTURES: [Texture; 0] = [
@@ -38,13 +32,13 @@ pub fn borrowed<'a>(meshes: &'a [Mesh<'a>]) -> Borrowed<'a> {
 pub fn scene() -> Result<(Builder, Camera), SceneError> {
     let mut b = Builder::with_unit(Unit::new(19));
     let m = [
-        b.material(Material::Lambert { albedo: rgb([16384, 16384, 15729]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([3277, 14746, 13763]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([5243, 8520, 20316]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([21299, 3932, 2621]), two_sided: true })?,
-        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768]))))?,
-        b.material(Material::Mirror { reflectance: rgb([29491, 28836, 27853]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([0, 0, 0]), two_sided: false })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([16384, 16384, 15729]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([3277, 14746, 13763]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([5243, 8520, 20316]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([21299, 3932, 2621]), two_sided: true })?,
+        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(Albedo::from_bits([32768, 32768, 32768]), Albedo::from_bits([32768, 32768, 32768]))))?,
+        b.material(Material::Mirror { reflectance: Albedo::from_bits([29491, 28836, 27853]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([0, 0, 0]), two_sided: false })?,
     ];
     b.shape(Rectangle { center: Point([0, -849347, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), normal: Dir([0, 65536, 0]), half: [2621440, 2621440] }, m[0])?;
     b.shape(Implicit::Gyroid(Gyroid { center: Point([0, -456131, -288358]), x: Dir([54366, 13592, 33979]), y: Dir([-20021, 61982, 7240]), cell: 288358, thickness: 36700, bound: Bound::ball(393216) }), m[1])?;

@@ -16,12 +16,6 @@ use microlux::{
 pub type Builder = SceneBuilder<12, 12, 2>;
 
 #[allow(dead_code)]
-const fn rgb(bits: [u16; 3]) -> Albedo {
-    let [r, g, b] = bits;
-    Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
-}
-
-#[allow(dead_code)]
 static BLOBS: [Blob; 0] = [];
 
 static TEXTURES: [Texture; 0] = [
@@ -38,18 +32,18 @@ pub fn borrowed<'a>(meshes: &'a [Mesh<'a>]) -> Borrowed<'a> {
 pub fn scene() -> Result<(Builder, Camera), SceneError> {
     let mut b = Builder::with_unit(Unit::new(21));
     let m = [
-        b.material(Material::Lambert { albedo: rgb([16384, 15729, 14746]), two_sided: true })?,
-        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Full, rgb([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
-        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Qualitative, rgb([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
-        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::EnergyPreserving, rgb([24576, 14746, 9830]), Turn::from_bits(858980352))))?,
-        b.material(Material::BlinnPhong(BlinnPhong::new(rgb([14746, 1638, 1638]), rgb([13107, 13107, 13107]), Metres::from_bits(3932160))))?,
-        b.material(Material::BlinnPhong(BlinnPhong::new(rgb([1638, 3932, 14746]), rgb([32768, 32768, 32768]), Metres::from_bits(1310720)).unnormalized()))?,
-        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)])))?,
-        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(779), Index::from_bits(2253), Index::from_bits(5530)], [Index::from_bits(13517), Index::from_bits(9012), Index::from_bits(7701)]).rough(Share::from_bits(3277))))?,
-        b.material(Material::Conductor(Conductor::new(rgb([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)]).rough(Share::from_bits(13108))))?,
-        b.material(Material::RoughDielectric(RoughDielectric::new(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768])), Share::from_bits(6554))))?,
-        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768]))))?,
-        b.material(Material::Lambert { albedo: rgb([0, 0, 0]), two_sided: false })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([16384, 15729, 14746]), two_sided: true })?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Full, Albedo::from_bits([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Qualitative, Albedo::from_bits([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
+        b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::EnergyPreserving, Albedo::from_bits([24576, 14746, 9830]), Turn::from_bits(858980352))))?,
+        b.material(Material::BlinnPhong(BlinnPhong::new(Albedo::from_bits([14746, 1638, 1638]), Albedo::from_bits([13107, 13107, 13107]), Metres::from_bits(3932160))))?,
+        b.material(Material::BlinnPhong(BlinnPhong::new(Albedo::from_bits([1638, 3932, 14746]), Albedo::from_bits([32768, 32768, 32768]), Metres::from_bits(1310720)).unnormalized()))?,
+        b.material(Material::Conductor(Conductor::new(Albedo::from_bits([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)])))?,
+        b.material(Material::Conductor(Conductor::new(Albedo::from_bits([32768, 32768, 32768])).with_index([Index::from_bits(779), Index::from_bits(2253), Index::from_bits(5530)], [Index::from_bits(13517), Index::from_bits(9012), Index::from_bits(7701)]).rough(Share::from_bits(3277))))?,
+        b.material(Material::Conductor(Conductor::new(Albedo::from_bits([32768, 32768, 32768])).with_index([Index::from_bits(1024), Index::from_bits(4506), Index::from_bits(4752)], [Index::from_bits(14132), Index::from_bits(10609), Index::from_bits(9831)]).rough(Share::from_bits(13108))))?,
+        b.material(Material::RoughDielectric(RoughDielectric::new(Dielectric::new(Metres::from_bits(98304)).tinted(Albedo::from_bits([32768, 32768, 32768]), Albedo::from_bits([32768, 32768, 32768])), Share::from_bits(6554))))?,
+        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(Albedo::from_bits([32768, 32768, 32768]), Albedo::from_bits([32768, 32768, 32768]))))?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([0, 0, 0]), two_sided: false })?,
     ];
     b.shape(Plane { point: Point([0, -3145728, -1027604]), normal: Dir([0, 65536, 0]) }, m[0])?;
     b.shape(Sphere { center: Point([-3145728, -2474639, -2076180]), radius: 671089 }, m[1])?;

@@ -16,12 +16,6 @@ use microlux::{
 pub type Builder = SceneBuilder<5, 5, 0>;
 
 #[allow(dead_code)]
-const fn rgb(bits: [u16; 3]) -> Albedo {
-    let [r, g, b] = bits;
-    Albedo([Share::from_bits(r), Share::from_bits(g), Share::from_bits(b)])
-}
-
-#[allow(dead_code)]
 static BLOBS: [Blob; 0] = [];
 
 static TEXTURES: [Texture; 0] = [
@@ -43,11 +37,11 @@ pub fn borrowed<'a>(meshes: &'a [Mesh<'a>], sky: &'a Sky) -> Borrowed<'a> {
 pub fn scene() -> Result<(Builder, Camera), SceneError> {
     let mut b = Builder::with_unit(Unit::new(20));
     let m = [
-        b.material(Material::Lambert { albedo: rgb([13763, 13107, 11796]), two_sided: true })?,
-        b.material(Material::Lambert { albedo: rgb([22938, 22282, 20316]), two_sided: true })?,
-        b.material(Material::Mirror { reflectance: rgb([31130, 30474, 28836]), two_sided: true })?,
-        b.material(Material::Conductor(Conductor::new(rgb([31130, 30474, 28836])).rough(Share::from_bits(8192))))?,
-        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(rgb([32768, 32768, 32768]), rgb([32768, 32768, 32768]))))?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([13763, 13107, 11796]), two_sided: true })?,
+        b.material(Material::Lambert { albedo: Albedo::from_bits([22938, 22282, 20316]), two_sided: true })?,
+        b.material(Material::Mirror { reflectance: Albedo::from_bits([31130, 30474, 28836]), two_sided: true })?,
+        b.material(Material::Conductor(Conductor::new(Albedo::from_bits([31130, 30474, 28836])).rough(Share::from_bits(8192))))?,
+        b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(Albedo::from_bits([32768, 32768, 32768]), Albedo::from_bits([32768, 32768, 32768]))))?,
     ];
     b.shape(Plane { point: Point([-52429, -629146, 0]), normal: Dir([0, 65536, 0]) }, m[0])?;
     b.shape(Sphere { center: Point([-1153434, -104858, 0]), radius: 524288 }, m[1])?;
