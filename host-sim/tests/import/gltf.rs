@@ -208,6 +208,47 @@ fn a_texture_lies_on_its_mesh() {
     );
 }
 
+/// The same material on a part that does not say where in the texture it is: there its mean.
+#[test]
+fn without_coordinates_a_texture_is_its_mean_light() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/models/textured.glb");
+    let bytes = std::fs::read(path).unwrap();
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let mut json: serde_json::Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let parts = json["meshes"][0]["primitives"].as_array_mut().unwrap();
+    let mut bare = parts[0].clone();
+    bare["attributes"].as_object_mut().unwrap().remove("TEXCOORD_0");
+    parts.push(bare);
+    let mut text = json.to_string();
+    text += &" ".repeat(text.len().next_multiple_of(4) - text.len());
+    let whole = (20 + text.len() + bytes.len() - 20 - length) as u32;
+    let glb = [
+        &bytes[..8],
+        &whole.to_le_bytes(),
+        &(text.len() as u32).to_le_bytes(),
+        &bytes[16..20],
+        text.as_bytes(),
+        &bytes[20 + length..],
+    ]
+    .concat();
+    let folder = Folder::with(&[]);
+    std::fs::write(folder.path("s.glb"), glb).unwrap();
+    let scene = folder.load("s.glb", &Options::default()).unwrap().scene;
+    let [there, bare] = ["part 0", "part 1"].map(|part| {
+        let shape = scene.shapes.iter().find(|shape| shape.name.ends_with(part));
+        &scene.materials[shape.unwrap().material]
+    });
+    assert!(matches!(there.tint, Some(TintDesc::Texture { .. })) && bare.tint.is_none());
+    let BsdfDesc::Diffuse { reflectance } = bare.bsdf else {
+        panic!("{bare:?}")
+    };
+    let wanted = [0.5, 0.2514, 0.0];
+    assert!(
+        reflectance.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-3),
+        "{reflectance:?}"
+    );
+}
+
 #[test]
 fn strips_fans_sparse_data_and_mirrors() {
     let scene = model("strips.gltf").scene;

@@ -17,7 +17,7 @@ use super::named;
 use crate::desc::{NamedMaterial, TextureDesc, TintDesc, Vec3};
 
 /// What a mesh's vertices have.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Has {
     pub colors: bool,
     /// Of the set that its material's base colour texture names.
@@ -30,8 +30,8 @@ pub(super) struct Materials<'a> {
     pub list: Vec<NamedMaterial>,
     pub notes: Vec<String>,
     pub warnings: Vec<String>,
-    /// By the file's index, `None` being glTF's default material, and whether its mesh has colours.
-    known: HashMap<(Option<usize>, bool), (usize, Option<Vec3>)>,
+    /// By the file's index, `None` being glTF's default material, and what its mesh has.
+    known: HashMap<(Option<usize>, Has), (usize, Option<Vec3>)>,
     means: HashMap<usize, Mean>,
     pictures: HashMap<(usize, bool), Arc<TextureDesc>>,
 }
@@ -52,7 +52,7 @@ impl<'a> Materials<'a> {
 
     /// Index of the material, and the radiance it emits; `has` says what the mesh that it covers has.
     pub fn of(&mut self, material: &Material, has: Has) -> Result<(usize, Option<Vec3>), ImportError> {
-        let key = (material.index(), has.colors);
+        let key = (material.index(), has);
         if let Some(&known) = self.known.get(&key) {
             return Ok(known);
         }
