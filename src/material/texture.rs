@@ -5,7 +5,7 @@ use crate::num::Share;
 ///
 /// Coordinates (u, v) are 0 ..= 1 across and down the picture, and it is repeated beyond. The first row is at v = 0. A texel
 /// covers 1/width × 1/height, and its colour is its middle's, as in Mitsuba 3.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Texture<'a> {
     pub width: u16,
     pub height: u16,
@@ -16,7 +16,7 @@ pub struct Texture<'a> {
 }
 
 /// Numbers in the palette, row after row.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Texels<'a> {
     /// Half a byte each, the left one low; a row begins at a byte.
     Half(&'a [u8]),

@@ -72,6 +72,11 @@ impl OwnedTexture {
         }
     }
 
+    /// The same texels, whatever their names.
+    fn is(&self, other: &OwnedTexture) -> bool {
+        self.borrow() == other.borrow()
+    }
+
     pub fn borrow(&self) -> Texture<'_> {
         Texture {
             width: self.width,
@@ -109,7 +114,7 @@ fn reduced(texels: &[Vec3]) -> (Vec<[u16; 3]>, Vec<usize>) {
     (palette.collect(), numbers)
 }
 
-/// The textures of a scene, each once.
+/// The textures of a scene, each once, however often its file decodes it.
 #[derive(Default)]
 pub(super) struct Textures {
     pub list: Vec<OwnedTexture>,
@@ -119,8 +124,13 @@ pub(super) struct Textures {
 impl Textures {
     pub fn of(&mut self, texture: &Arc<TextureDesc>) -> u16 {
         *self.known.entry(Arc::as_ptr(texture)).or_insert_with(|| {
-            self.list.push(OwnedTexture::new(texture));
-            (self.list.len() - 1) as u16
+            let made = OwnedTexture::new(texture);
+            let same = self.list.iter().position(|other| other.is(&made));
+            let number = same.unwrap_or_else(|| {
+                self.list.push(made);
+                self.list.len() - 1
+            });
+            number as u16
         })
     }
 }

@@ -8,6 +8,7 @@ mod obj;
 mod own;
 mod picture;
 mod shape;
+mod tint;
 
 use std::path::PathBuf;
 
