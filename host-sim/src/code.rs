@@ -281,7 +281,7 @@ fn solid_of(solid: &Implicit) -> String {
     }
 }
 
-fn rgb(Albedo(color): Albedo) -> String {
+fn albedo_of(Albedo(color): Albedo) -> String {
     format!("Albedo::from_bits({:?})", color.map(|c| c.to_bits()))
 }
 
@@ -298,8 +298,8 @@ fn material_of(material: &Material) -> String {
         format!(
             "Dielectric::new(Metres::from_bits({})).tinted({}, {})",
             glass.eta().to_bits(),
-            rgb(reflectance),
-            rgb(transmittance)
+            albedo_of(reflectance),
+            albedo_of(transmittance)
         )
     };
     match material {
@@ -307,7 +307,7 @@ fn material_of(material: &Material) -> String {
         Material::Lambert { albedo, two_sided } => {
             format!(
                 "Material::Lambert {{ albedo: {}, two_sided: {two_sided} }}",
-                rgb(*albedo)
+                albedo_of(*albedo)
             )
         }
         Material::Mirror {
@@ -315,7 +315,7 @@ fn material_of(material: &Material) -> String {
             two_sided,
         } => format!(
             "Material::Mirror {{ reflectance: {}, two_sided: {two_sided} }}",
-            rgb(*reflectance)
+            albedo_of(*reflectance)
         ),
         Material::Dielectric(glass) => format!("Material::Dielectric({})", smooth(glass)),
         Material::RoughDielectric(glass) => {
@@ -334,15 +334,15 @@ fn material_of(material: &Material) -> String {
             };
             format!(
                 "Material::OrenNayar(OrenNayar::new(OrenNayarModel::{model}, {}, Turn::from_bits({})){})",
-                rgb(diffuse.reflectance()),
+                albedo_of(diffuse.reflectance()),
                 u32::from(diffuse.sigma().to_bits()) << 15,
                 side(diffuse.is_two_sided())
             )
         }
         Material::BlinnPhong(phong) => format!(
             "Material::BlinnPhong(BlinnPhong::new({}, {}, Metres::from_bits({})){}{})",
-            rgb(phong.diffuse()),
-            rgb(phong.specular()),
+            albedo_of(phong.diffuse()),
+            albedo_of(phong.specular()),
             phong.exponent().to_bits(),
             if phong.is_normalized() {
                 ""
@@ -365,7 +365,7 @@ fn material_of(material: &Material) -> String {
             };
             format!(
                 "Material::Conductor(Conductor::new({}){index}{rough}{})",
-                rgb(metal.reflectance()),
+                albedo_of(metal.reflectance()),
                 side(metal.is_two_sided())
             )
         }

@@ -1,8 +1,7 @@
 //! How a polygon becomes triangles, step by step, as a picture: a frame a step, side by side.
 
-use std::fmt::Write;
-
 use microlux::shape::polygon::{Corner, Fill, Polygon, PolygonError, RANGE, Step, Workspace};
+use plotters::element::Polygon as Filled;
 use plotters::prelude::*;
 use thiserror::Error;
 
@@ -203,12 +202,7 @@ impl Steps {
 
     /// Cuts, pieces, triangles.
     pub fn counts(&self) -> [usize; 3] {
-        let count = |is: fn(&Made) -> bool| self.all.iter().filter(|made| is(made)).count();
-        [
-            count(|made| matches!(made, Made::Cut(_))),
-            count(|made| matches!(made, Made::Piece(_))),
-            count(|made| matches!(made, Made::Triangle(_))),
-        ]
+        counts(&self.all)
     }
 
     /// The frames, as SVG.
@@ -249,32 +243,24 @@ impl Steps {
             )
         };
         let done = &self.all[..steps];
-        let mut label = String::new();
-        let [cuts, pieces, triangles] = [0, 1, 2].map(|kind| {
-            let is = |made: &&Made| match made {
-                Made::Cut(_) => kind == 0,
-                Made::Piece(_) => kind == 1,
-                Made::Triangle(_) => kind == 2,
-            };
-            done.iter().filter(is).count()
-        });
-        let _ = write!(label, "{cuts} cuts, {pieces} pieces, {triangles} triangles");
-        if steps == 0 {
-            label = "the polygon".to_string();
-        }
+        let [cuts, pieces, triangles] = counts(done);
+        let label = match steps {
+            0 => "the polygon".to_string(),
+            _ => format!("{cuts} cuts, {pieces} pieces, {triangles} triangles"),
+        };
         let mut piece = 0;
         for made in done {
             match made {
                 Made::Cut(_) => {}
                 Made::Piece(corners) => {
                     let corners: Vec<_> = corners.iter().map(|&c| at(c)).collect();
-                    area.draw(&Polygon2::new(corners, INSIDE.filled()))?;
+                    area.draw(&Filled::new(corners, INSIDE.filled()))?;
                     piece += 1;
                 }
                 Made::Triangle(corners) => {
                     let corners: Vec<_> = corners.iter().map(|&c| at(c)).collect();
                     let color = PIECES[(piece + PIECES.len() - 1) % PIECES.len()];
-                    area.draw(&Polygon2::new(corners.clone(), color.filled()))?;
+                    area.draw(&Filled::new(corners.clone(), color.filled()))?;
                     let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
                     area.draw(&PathElement::new(closed, WHITE.stroke_width(1)))?;
                 }
@@ -310,7 +296,18 @@ impl Steps {
     }
 }
 
-use plotters::element::Polygon as Polygon2;
+/// Cuts, pieces, triangles.
+fn counts(made: &[Made]) -> [usize; 3] {
+    let mut counts = [0; 3];
+    for made in made {
+        counts[match made {
+            Made::Cut(_) => 0,
+            Made::Piece(_) => 1,
+            Made::Triangle(_) => 2,
+        }] += 1;
+    }
+    counts
+}
 
 #[cfg(test)]
 mod tests {

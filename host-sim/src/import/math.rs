@@ -170,13 +170,13 @@ impl Affine {
             || self.translation.iter().any(|x| !x.is_finite())
     }
 
-    /// The scale factor where it is the same for every direction (rotation, mirroring and translation allowed).
     /// The scale, and where the axes point, of a transform that turns, scales and moves, and does not mirror.
     pub fn similarity(&self) -> Option<(f64, [Vec3; 3])> {
         let scale = self.uniform_scale().filter(|scale| *scale > 0.0)?;
         (self.determinant() > 0.0).then(|| (scale, self.columns.map(|axis| scaled(axis, 1.0 / scale))))
     }
 
+    /// The scale factor where it is the same for every direction (rotation, mirroring and translation allowed).
     pub fn uniform_scale(&self) -> Option<f64> {
         let [x, y, z] = self.columns;
         let square = perpendicular_enough(x, y) && perpendicular_enough(y, z) && perpendicular_enough(z, x);
