@@ -1,13 +1,13 @@
-//! Packed meshes in a row of bytes, as [`microlux::scene::Baked`] opens them.
+//! Packed meshes, and maybe the scene that they are for, in a row of bytes, as [`microlux::scene::Baked`] opens them.
 
 use std::fmt::{self, Write};
 
 use microlux::geom::Unit;
-use microlux::scene::{BakedEntry, BakedHead};
+use microlux::scene::{BakedEntry, BakedHead, Parts, Shot};
 use microlux::shape::Triangles;
 use zerocopy::IntoBytes;
 
-use crate::Packed;
+use crate::{Packed, scene};
 
 /// More meshes than 65,535, or more bytes than 2^32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,15 @@ impl std::error::Error for BlobTooLarge {}
 
 /// The bytes of meshes for a scene of this unit.
 pub fn blob(meshes: &[Packed], unit: Unit) -> Result<Vec<u8>, BlobTooLarge> {
+    written(meshes, unit, &[])
+}
+
+/// The bytes of a whole scene; `meshes` are its own, packed. What it says of its meshes is left.
+pub fn scene_blob(meshes: &[Packed], parts: &Parts, shot: &Shot) -> Result<Vec<u8>, BlobTooLarge> {
+    written(meshes, parts.unit, &scene::bytes(parts, shot))
+}
+
+fn written(meshes: &[Packed], unit: Unit, scene: &[u8]) -> Result<Vec<u8>, BlobTooLarge> {
     let (mut table, mut parts) = (Vec::new(), Vec::new());
     for packed in meshes {
         let mesh = packed.mesh();
@@ -38,7 +47,7 @@ pub fn blob(meshes: &[Packed], unit: Unit) -> Result<Vec<u8>, BlobTooLarge> {
             parts.resize(parts.len().next_multiple_of(4), 0);
         }
     }
-    let rest = [table, parts].concat();
+    let rest = [&table[..], &parts, scene].concat();
     let count = u16::try_from(meshes.len()).map_err(|_| BlobTooLarge)?;
     if u32::try_from(rest.len() + size_of::<BakedHead>()).is_err() {
         return Err(BlobTooLarge);

@@ -1,4 +1,4 @@
-//! Bakes the mesh that the firmware carries: a torus knot, or the OBJ file that `MICROLUX_MESH` names.
+//! Bakes the scene that the firmware carries, about a torus knot, or the OBJ file that `MICROLUX_MESH` names.
 
 use std::{env, fs, path::PathBuf};
 

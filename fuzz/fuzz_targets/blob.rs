@@ -1,15 +1,22 @@
-//! Baked meshes from anywhere: refused by name, or hit exactly as their list of triangles is.
+//! Baked meshes and scenes from anywhere: refused by name, or meshes hit exactly as their list of triangles is, scenes
+//! rendered.
 
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
 use microlux::bvh::{check_mesh, closest, closest_linear, occluded, occluded_linear};
-use microlux::scene::Baked;
+use microlux::color::Radiance;
+use microlux::integrator::Path;
+use microlux::render::{Renderer, Settings};
+use microlux::sampler::{Independent, PcgRxsMXs32};
+use microlux::scene::{Baked, Room, Whole};
 use microlux::shape::Slopes;
 use microlux_fuzz::{Aligned, Rays, summed};
 
 /// Rays against what was accepted.
 const RAYS: usize = 8;
+/// And pixels.
+const SIZE: (u16, u16) = (4, 3);
 
 fuzz_target!(|data: &[u8]| {
     // The first byte says whether the checksum shall fit, which no mutation would get right.
@@ -49,5 +56,25 @@ fuzz_target!(|data: &[u8]| {
                 occluded_linear(&mesh.triangles, &ray, &slopes, far)
             );
         }
+    }
+    let mut room = Room::<16, 8, 8, 16>::new();
+    match baked.scene(&mut room) {
+        Ok(Whole { scene, shot }) => {
+            let (width, height) = SIZE;
+            let settings = Settings {
+                width,
+                height,
+                spp: 1,
+            };
+            let mut renderer = Renderer::new(
+                &scene,
+                shot.camera,
+                Path::new(4),
+                Independent::<PcgRxsMXs32>::new(1),
+                settings,
+            );
+            while renderer.step(&mut [Radiance::BLACK; SIZE.0 as usize]).is_some() {}
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 });

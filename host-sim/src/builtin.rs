@@ -88,6 +88,7 @@ impl Draft {
             materials: Vec::new(),
             shapes: Vec::new(),
             lights: Vec::new(),
+            baked: None,
         })
     }
 

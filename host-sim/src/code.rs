@@ -8,7 +8,7 @@ use microlux::material::{Dielectric, Filter, Material, OrenNayarModel, Texels, T
 use microlux::scene::{Parts, Shape, Tint};
 use microlux::shape::{Geometry, Implicit};
 
-use crate::desc::{LightDesc, SceneDesc};
+use crate::desc::SceneDesc;
 use crate::quantise::CoreScene;
 use crate::run::Error;
 
@@ -202,16 +202,13 @@ impl Writer<'_, '_> {
                 "/// What is seen where nothing is.\npub fn sky() -> Sky {{\n    Sky::new({:?}, {zenith}, {horizon}, {ground})",
                 sky.up()
             )?;
-            let angle = self.desc.lights.iter().find_map(|light| match light {
-                LightDesc::Gradient { sun, .. } => sun.map(|sun| sun.angle),
-                _ => None,
-            });
-            if let (Some((towards, _, radiance)), Some(angle)) = (sky.sun(), angle) {
-                let turn = microlux::num::Turn::saturating_from_num(angle / 360.0).to_bits();
+            if let Some(sun) = sky.sun() {
                 write!(
                     self.out,
-                    ".with_sun({towards:?}, Turn::from_bits({turn}), {})",
-                    light_of(radiance)
+                    ".with_sun({:?}, Turn::from_bits({}), {})",
+                    sun.direction,
+                    sun.diameter.to_bits(),
+                    light_of(sun.radiance)
                 )?;
             }
             self.out.push_str("\n}\n\n");

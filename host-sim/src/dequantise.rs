@@ -261,11 +261,11 @@ fn background(environment: &Environment) -> Vec<Light> {
                 ground,
                 up: dir(sky.up()),
             });
-            let sun = sky.sun().map(|(direction, cone, color)| {
-                let versine = wide(cone.versine());
+            let sun = sky.sun().map(|sun| {
+                let versine = wide(sun.cone.versine());
                 Light::Sun(reference::Sun {
-                    direction: dir(direction),
-                    radiance: radiance(color).into(),
+                    direction: dir(sun.direction),
+                    radiance: radiance(sun.radiance).into(),
                     // 1 − cos α = 2 sin² (α/2)
                     angle: 4.0 * (versine / 2.0).sqrt().asin().to_degrees(),
                 })
@@ -273,16 +273,17 @@ fn background(environment: &Environment) -> Vec<Light> {
             std::iter::once(gradient).chain(sun).collect()
         }
         Environment::Map(map) => {
-            let [width, height] = map.size().map(usize::from);
-            let (texels, exponent) = map.texels();
-            let pixels = texels
+            let parts = map.parts();
+            let [width, height] = [parts.width, parts.height].map(usize::from);
+            let pixels = parts
+                .texels
                 .iter()
-                .map(|texel| radiance(texel.radiance(i32::from(exponent))).into());
+                .map(|texel| radiance(texel.radiance(i32::from(parts.exponent))).into());
             vec![Light::Map(Arc::new(reference::Map {
                 width,
                 height,
                 pixels: pixels.collect(),
-                axes: map.axes().map(unit),
+                axes: parts.axes.map(unit),
             }))]
         }
     }

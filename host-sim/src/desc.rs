@@ -7,6 +7,8 @@ mod implicit;
 
 use std::sync::Arc;
 
+use crate::bake::Aligned;
+
 pub use implicit::{BallDesc, BoundDesc, CapsuleDesc, ImplicitDesc, PartDesc};
 
 /// Three numbers: a point (metres), a direction, or a colour.
@@ -27,6 +29,8 @@ pub struct SceneDesc {
     pub materials: Vec<NamedMaterial>,
     pub shapes: Vec<ShapeDesc>,
     pub lights: Vec<LightDesc>,
+    /// The scene as it lies in flash, if it was read from there: then it alone has shapes, materials and lights.
+    pub baked: Option<Arc<Aligned>>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

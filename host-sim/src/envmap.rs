@@ -162,6 +162,20 @@ impl BakedMap {
         }
     }
 
+    /// What a core's map is made of, owned.
+    pub fn of(parts: &MapParts) -> BakedMap {
+        BakedMap {
+            width: parts.width.into(),
+            height: parts.height.into(),
+            texels: parts.texels.to_vec(),
+            exponent: parts.exponent,
+            axes: parts.axes,
+            bands: parts.bands.to_vec(),
+            steps: parts.steps.to_vec(),
+            steps_in_band: parts.steps_in_band.into(),
+        }
+    }
+
     /// As the core borrows it.
     pub fn map(&self) -> Result<Map<'_>, MapError> {
         Map::new(MapParts {

@@ -1,24 +1,38 @@
-//! A scene's meshes as they lie in flash, and what that costs them.
+//! A scene as it lies in flash, and what that costs its meshes.
 
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use microlux::bvh::{Child, Node, check_mesh, primitives};
 use microlux::color::Albedo;
-use microlux::scene::{Baked, Mesh};
+use microlux::integrator::AmbientOcclusion;
+use microlux::scene::{Baked, Mesh, Shot, Technique};
 use microlux::shape::{Bounds, TriangleMesh, Triangles};
 
-use crate::bake::{self, Aligned, Packed};
-use crate::desc::{MeshDesc, SceneDesc};
+use crate::bake::{self, Aligned, BlobTooLarge, Packed};
+use crate::desc::{CameraDesc, IntegratorDesc, IntegratorKind, LensDesc, MeshDesc, SceneDesc};
 use crate::quantise::CoreScene;
-use crate::run::Error;
+use crate::run::{self, Error};
 
-/// Baked meshes.
+/// What was baked.
 #[derive(Clone, Debug)]
 pub struct Flash {
     /// For [`Baked::open`].
     pub bytes: Vec<u8>,
     pub meshes: Vec<Part>,
+    /// If it is a whole scene.
+    pub scene: Option<ScenePart>,
+}
+
+/// What a whole scene is beside its meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScenePart {
+    pub bytes: usize,
+    /// How large a [`Room`] for it is: shapes, materials, lights, and the most there are of meshes, textures or blobs.
+    ///
+    /// [`Room`]: microlux::scene::Room
+    pub room: [usize; 4],
 }
 
 /// One of them.
@@ -46,8 +60,11 @@ impl Part {
     }
 }
 
-/// Bakes all meshes of a scene, in the order in which it names them; maybe none.
-pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
+/// Bakes a whole scene, or its meshes alone, in the order in which it names them; maybe none.
+pub fn bake(desc: &SceneDesc, is_whole: bool) -> Result<Flash, Error> {
+    if desc.baked.is_some() {
+        return Err(Error::Scene("it is baked already".to_string()));
+    }
     let core = CoreScene::new(desc)?;
     let (mut packed, mut parts) = (Vec::new(), Vec::new());
     for owned in core.owned_meshes() {
@@ -70,8 +87,89 @@ pub fn bake(desc: &SceneDesc) -> Result<Flash, Error> {
         });
         packed.push(made);
     }
-    let bytes = bake::blob(&packed, core.unit).map_err(|error| Error::Scene(error.to_string()))?;
-    Ok(Flash { bytes, meshes: parts })
+    let too_large = |error: BlobTooLarge| Error::Scene(error.to_string());
+    let alone = bake::blob(&packed, core.unit).map_err(too_large)?;
+    if !is_whole {
+        return Ok(Flash {
+            bytes: alone,
+            meshes: parts,
+            scene: None,
+        });
+    }
+    let lent = core.lend();
+    let scene = core.scene(&lent)?;
+    let of = scene.parts();
+    let bytes = bake::scene_blob(&packed, of, &run::shot(desc, &core)).map_err(too_large)?;
+    let most = of.meshes.len().max(of.textures.len()).max(of.blobs.len());
+    Ok(Flash {
+        meshes: parts,
+        scene: Some(ScenePart {
+            bytes: bytes.len() - alone.len(),
+            room: [of.shapes.len(), of.materials.len(), of.lights.len(), most],
+        }),
+        bytes,
+    })
+}
+
+/// Whether what was baked is a whole scene, and not meshes alone.
+pub fn is_scene(bytes: &[u8]) -> bool {
+    Baked::open(bytes).is_ok_and(|baked| baked.has_scene())
+}
+
+/// A baked scene as the files say scenes; what is wrong in a line.
+pub fn scene(name: &str, bytes: Aligned) -> Result<SceneDesc, String> {
+    let records = Baked::open(bytes.bytes()).and_then(|baked| baked.records());
+    let records = records.map_err(|error| format!("{error}; bake it again"))?;
+    let Shot {
+        camera,
+        width,
+        height,
+        spp,
+        technique,
+        max_depth,
+        rr_depth,
+        hide_emitters,
+        ao_radius,
+    } = records.shot;
+    let step = f64::from(-records.unit.fraction_bits()).exp2();
+    let metres = |units: i32| f64::from(units) * step;
+    let [right, up, forward] = camera.frame().map(|dir| dir.0.map(|c| f64::from(c) / 65536.0));
+    let (aperture, focus) = camera.lens();
+    Ok(SceneDesc {
+        name: name.to_string(),
+        width: width.into(),
+        height: height.into(),
+        spp: (spp > 0).then_some(spp),
+        sampler: None,
+        integrator: IntegratorDesc {
+            kind: match technique {
+                Technique::AmbientOcclusion => IntegratorKind::Ao,
+                Technique::Direct => IntegratorKind::Direct,
+                Technique::Path => IntegratorKind::Path,
+                Technique::Bdpt => IntegratorKind::Bdpt,
+                Technique::LightTracer => IntegratorKind::Light,
+            },
+            max_depth: (max_depth < run::UNLIMITED).then_some(max_depth.into()),
+            rr_depth: rr_depth.into(),
+            hide_emitters,
+            ao_radius: (ao_radius < AmbientOcclusion::FULL).then_some(metres(ao_radius)),
+        },
+        camera: CameraDesc {
+            origin: camera.origin().0.map(metres),
+            right,
+            up,
+            forward,
+            fov_x: camera.half_width().to_num::<f64>().atan().to_degrees() * 2.0,
+            lens: camera.has_lens().then(|| LensDesc {
+                aperture_radius: metres(aperture),
+                focus_distance: metres(focus),
+            }),
+        },
+        materials: Vec::new(),
+        shapes: Vec::new(),
+        lights: Vec::new(),
+        baked: Some(Arc::new(bytes)),
+    })
 }
 
 /// MacDonald and Booth 1990, with the costs of [`bake::build`]'s nodes and of triangles taken as equal.

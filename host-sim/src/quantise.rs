@@ -8,8 +8,9 @@ mod mesh;
 mod rounding;
 mod texture;
 
+use crate::bake::Aligned;
 use crate::desc::{GeometryDesc, LightDesc, MeshDesc, SceneDesc, TintDesc, Vec3};
-use crate::envmap;
+use crate::envmap::{self, BakedMap};
 use instance::Shared;
 use light::Background;
 pub use mesh::OwnedMesh;
@@ -18,10 +19,13 @@ use microlux::camera::Camera;
 use microlux::geom::Unit;
 use microlux::light::{Environment, Light};
 use microlux::material::{Material, Texture};
-use microlux::scene::{Arrangement, Boxed, Mesh, Parts, Scene, SceneError, Shape, Tint, arrange};
-use microlux::shape::{Blob, Geometry};
+use microlux::scene::{
+    self, Arrangement, Baked, BakedError, Boxed, Mesh, Parts, Scene, SceneError, Shape, Tint, arrange,
+};
+use microlux::shape::{Blob, Bounds, Geometry};
 pub use rounding::bounds_of;
 use rounding::{Rounding, choose_unit, radiance};
+use std::sync::Arc;
 pub use texture::OwnedTexture;
 use texture::Textures;
 use thiserror::Error;
@@ -35,6 +39,8 @@ pub enum QuantiseError {
     Shape { name: String, error: SceneError },
     #[error(transparent)]
     Scene(#[from] SceneError),
+    #[error("{0}; bake it again")]
+    Baked(#[from] BakedError),
 }
 
 /// What of a scene is left out, a line each: the picture will differ by it.
@@ -92,18 +98,37 @@ pub struct CoreScene {
     background: Background,
     /// How lights are chosen, by their power.
     choice: Vec<u32>,
+    /// Where meshes and textures are borrowed from, if the scene was baked.
+    baked: Option<Arc<Aligned>>,
 }
 
 /// What a scene borrows and the core knows by slices.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Lent<'a> {
     pub meshes: Vec<Mesh<'a>>,
     pub textures: Vec<Texture<'a>>,
 }
 
+impl<'a> Lent<'a> {
+    /// Of a baked scene.
+    fn of(bytes: &'a Aligned) -> Result<Lent<'a>, BakedError> {
+        let baked = Baked::open(bytes.bytes())?;
+        let meshes = (0..baked.count()).map(|index| baked.mesh(index));
+        Ok(Lent {
+            meshes: meshes.collect::<Result<_, _>>()?,
+            textures: baked.records()?.textures().collect::<Result<_, _>>()?,
+        })
+    }
+}
+
 impl CoreScene {
     /// Chooses the finest unit in which the scene fits, with the middle of the scene as origin, and rounds.
+    ///
+    /// A baked scene is taken as it is.
     pub fn new(desc: &SceneDesc) -> Result<CoreScene, QuantiseError> {
+        if let Some(bytes) = &desc.baked {
+            return Ok(CoreScene::baked(bytes)?);
+        }
         let (origin, unit) = choose_unit(desc);
         let round = Rounding {
             origin,
@@ -205,9 +230,41 @@ impl CoreScene {
             names,
             background,
             choice: Vec::new(),
+            baked: None,
         };
         core.choose_by_power();
         Ok(core)
+    }
+
+    fn baked(bytes: &Arc<Aligned>) -> Result<CoreScene, BakedError> {
+        let records = Baked::open(bytes.bytes())?.records()?;
+        Lent::of(bytes)?;
+        let blobs: Vec<Blob> = records.blobs().collect();
+        Ok(CoreScene {
+            unit: records.unit,
+            origin: [0.0; 3],
+            camera: records.shot.camera,
+            shapes: records.shapes(&blobs).collect::<Result<_, _>>()?,
+            materials: records.materials().collect::<Result<_, _>>()?,
+            lights: records.lights().collect::<Result<_, _>>()?,
+            meshes: Vec::new(),
+            textures: Vec::new(),
+            nodes: records.nodes.to_vec(),
+            arrangement: Arrangement {
+                bounded: records.bounded.into(),
+                grid: records.grid,
+                nodes: records.nodes.len(),
+            },
+            names: Vec::new(),
+            background: match records.background {
+                scene::Background::None => Background::None,
+                scene::Background::Sky(sky) => Background::Sky(sky),
+                scene::Background::Map(map) => Background::Map(BakedMap::of(&map.parts())),
+            },
+            choice: records.choice.to_vec(),
+            blobs,
+            baked: Some(Arc::clone(bytes)),
+        })
     }
 
     /// Makes the table by which lights are chosen; a scene that the border refuses has none.
@@ -229,6 +286,24 @@ impl CoreScene {
         }
     }
 
+    /// Corners of the box around everything finite, metres.
+    pub fn bounds(&self, desc: &SceneDesc) -> [Vec3; 2] {
+        if self.baked.is_none() {
+            return bounds_of(desc);
+        }
+        let boxes = self.nodes.first().into_iter().flat_map(Node::children);
+        let around = boxes.map(|(bounds, _)| bounds).reduce(Bounds::union);
+        let Bounds { low, high } = around.unwrap_or(Bounds {
+            low: [0; 3],
+            high: [0; 3],
+        });
+        let step = f64::from(-self.unit.fraction_bits()).exp2();
+        [low, high].map(|corner| {
+            let point = self.arrangement.grid.to_scene(corner);
+            point.0.map(|c| f64::from(c) * step)
+        })
+    }
+
     /// The meshes, with what is known of them.
     pub fn owned_meshes(&self) -> &[OwnedMesh] {
         &self.meshes
@@ -241,9 +316,13 @@ impl CoreScene {
 
     /// The meshes and textures as the core borrows them.
     pub fn lend(&self) -> Lent<'_> {
-        Lent {
-            meshes: self.meshes.iter().map(OwnedMesh::borrow).collect(),
-            textures: self.textures.iter().map(OwnedTexture::borrow).collect(),
+        match &self.baked {
+            // It was opened before.
+            Some(bytes) => Lent::of(bytes).unwrap_or_default(),
+            None => Lent {
+                meshes: self.meshes.iter().map(OwnedMesh::borrow).collect(),
+                textures: self.textures.iter().map(OwnedTexture::borrow).collect(),
+            },
         }
     }
 

@@ -7,7 +7,7 @@ use crate::bake::Aligned;
 use crate::dequantise::{self, Frame};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
 use crate::expose::SharedExposure;
-use crate::quantise::{self, CoreScene, Lent, QuantiseError};
+use crate::quantise::{CoreScene, Lent, QuantiseError};
 use crate::show::{self, DisplayKind, Look};
 use crate::{primary, reference};
 use embedded_graphics::geometry::{Point, Size};
@@ -18,7 +18,7 @@ use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::{Baked, BakedError, Scene};
+use microlux::scene::{Baked, BakedError, Scene, Shot, Technique};
 use rayon::prelude::*;
 
 pub use crate::picture::{Aov, Picture};
@@ -457,7 +457,7 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
         lights: parts.lights.len(),
         nodes,
         bvh_depth: scene.depth(),
-        bounds: quantise::bounds_of(desc),
+        bounds: core.bounds(desc),
         unit: f64::from(-bits).exp2(),
         formats: vec![
             ("position", format!("i32, steps of 2^{} m", -bits)),
@@ -486,6 +486,29 @@ pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
     })
 }
 
+/// How the scene wants to be rendered, as a baked one says it.
+pub fn shot(desc: &SceneDesc, core: &CoreScene) -> Shot {
+    let options = Options::for_scene(desc);
+    let path = integrator(desc, &options);
+    Shot {
+        camera: core.camera,
+        width: desc.width as u16,
+        height: desc.height as u16,
+        spp: desc.spp.unwrap_or(0),
+        technique: match desc.integrator.kind {
+            IntegratorKind::Ao => Technique::AmbientOcclusion,
+            IntegratorKind::Direct => Technique::Direct,
+            IntegratorKind::Path => Technique::Path,
+            IntegratorKind::Bdpt => Technique::Bdpt,
+            IntegratorKind::Light => Technique::LightTracer,
+        },
+        max_depth: path.max_depth,
+        rr_depth: path.rr_depth,
+        hide_emitters: path.hide_emitters,
+        ao_radius: ao_radius(desc, core),
+    }
+}
+
 fn settings(options: &Options) -> Settings {
     Settings {
         width: options.width as u16,
@@ -495,7 +518,7 @@ fn settings(options: &Options) -> Settings {
 }
 
 /// Segments that no path reaches: roulette ends it long before.
-const UNLIMITED: u16 = u16::MAX;
+pub(crate) const UNLIMITED: u16 = u16::MAX;
 
 /// Camera vertices that [`Bdpt`] keeps on a board, and here: paths of two more segments are found by every strategy.
 const BOARD_VERTICES: usize = 8;

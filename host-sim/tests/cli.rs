@@ -141,6 +141,32 @@ fn a_missing_file_is_told_by_its_name() {
     assert!(told(&["info", "folder/missing.obj"]).starts_with("error: folder/missing.obj: "));
 }
 
+/// A whole scene goes into one file, which is a scene again, and is not baked twice.
+#[test]
+fn scenes_are_baked_and_rendered() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |line: &str| host_sim(&folder).args(line.split(' ')).assert().success();
+    run("bake cornell -o box.mlx --json bake.json --preview box.png --rust box.rs")
+        .stdout(contains("for a Room::<16, 4, 1, 0>").and(contains("written to box.mlx")));
+    let blob = std::fs::read(folder.path().join("box.mlx")).unwrap();
+    let text = std::fs::read_to_string(folder.path().join("bake.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(json["bytes_total"], blob.len());
+    assert!(json["bytes_scene"].as_u64().unwrap() > 1000);
+    assert!(folder.path().join("box.png").exists());
+    let code = std::fs::read_to_string(folder.path().join("box.rs")).unwrap();
+    assert!(code.contains("pub static SCENE: &[u8]"));
+    run("render box.mlx --width 16 --spp 1 -o one.pfm -q");
+    run("render cornell --width 16 --spp 1 -o other.pfm -q");
+    let picture = |name: &str| std::fs::read(folder.path().join(name)).unwrap();
+    assert!(picture("one.pfm") == picture("other.pfm"));
+    host_sim(&folder)
+        .args("bake box.mlx -o again.mlx".split(' '))
+        .assert()
+        .code(1)
+        .stderr("error: box.mlx: it is baked already\n");
+}
+
 /// What is baked can be looked at, has the size that was told, and is refused when a byte is lost.
 #[test]
 fn meshes_are_baked_and_read_again() {
@@ -205,7 +231,7 @@ fn meshes_are_baked_and_read_again() {
 
 #[test]
 fn what_cannot_be_baked_is_told() {
-    let line = told(&["bake", "spheres", "-o", "a.mlx"]);
+    let line = told(&["bake", "spheres", "--meshes-only", "-o", "a.mlx"]);
     assert!(line.contains("spheres: it has no mesh to bake"), "{line}");
     let line = told(&["bake", "torus-knot", "-o", "a.mlx", "--preview", "a.exr"]);
     assert!(line.contains("a preview is a .png"), "{line}");

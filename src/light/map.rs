@@ -2,12 +2,14 @@ use super::{EnvironmentSample, chance_by, choose_by};
 use crate::color::Radiance;
 use crate::geom::{Dir, Frame};
 use crate::num::{ONE_Q16, Turn, Uniform, Wide, atan2, isqrt, mul_q16, ratio, sin_cos};
+use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// A colour in 32 bits: three mantissas of 9 bits, red lowest, and an exponent of 5 in the top ones.
 ///
 /// Value of a channel: `mantissa · 2^(exponent − 24)`; up to 65408, steps of 2^-9 of the largest channel's octave (the
 /// layout of OpenGL's `RGB9_E5`, EXT_texture_shared_exponent).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
 pub struct Texel(pub u32);
 
 impl Texel {
@@ -140,19 +142,18 @@ impl<'a> Map<'a> {
         Ok(map)
     }
 
-    /// Width and height, texels.
-    pub const fn size(&self) -> [u16; 2] {
-        [self.width, self.height]
-    }
-
-    /// Row by row; each times 2^exponent.
-    pub const fn texels(&self) -> (&'a [Texel], i16) {
-        (self.texels, self.exponent)
-    }
-
-    /// The map's axes x, y, z in the scene.
-    pub const fn axes(&self) -> [Dir; 3] {
-        [self.frame.s, self.frame.t, self.frame.n]
+    /// What it is made of.
+    pub const fn parts(&self) -> MapParts<'a> {
+        MapParts {
+            width: self.width,
+            height: self.height,
+            texels: self.texels,
+            exponent: self.exponent,
+            axes: [self.frame.s, self.frame.t, self.frame.n],
+            bands: self.bands,
+            steps: self.steps,
+            steps_in_band: self.steps_in_band,
+        }
     }
 
     /// Bytes of constant memory behind it.

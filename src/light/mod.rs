@@ -19,7 +19,7 @@ pub use choice::{chance_by, choose, choose_by, share_out};
 pub use emit::{Emission, POINT_DENSITY, area_density, emit_area, emit_point};
 pub use environment::{Environment, EnvironmentSample};
 pub use map::{Map, MapError, MapParts, Texel};
-pub use sky::Sky;
+pub use sky::{Sky, Sun};
 
 /// A light.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,15 +26,19 @@ pub struct Sky {
 
 /// A disk in the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sun {
+pub struct Sun {
     /// Towards it.
-    direction: Dir,
-    radiance: Radiance,
-    cone: Cone,
+    pub direction: Dir,
+    pub radiance: Radiance,
+    /// As it was given.
+    pub diameter: Turn,
+    /// What it fills.
+    pub cone: Cone,
 }
 
 impl Sky {
     /// A gradient; `up` points to the zenith.
+    #[inline(never)]
     pub fn new(up: Dir, zenith: Radiance, horizon: Radiance, ground: Radiance) -> Sky {
         let luminance = [zenith, horizon, ground].map(Radiance::luminance);
         let [above, at, below] = luminance;
@@ -55,6 +59,7 @@ impl Sky {
     /// that range.
     ///
     /// Irradiance E on a surface that faces it makes a radiance of E / (π sin²(`angular_diameter`/2)).
+    #[inline(never)]
     pub fn with_sun(self, towards: Dir, angular_diameter: Turn, radiance: Radiance) -> Sky {
         if radiance.is_black() {
             return Sky {
@@ -66,6 +71,7 @@ impl Sky {
         let sun = Sun {
             direction: towards,
             radiance,
+            diameter: angular_diameter,
             cone: Cone::new(angular_diameter.to_bits() / 2),
         };
         let disk = radiance.luminance() * sun.cone.solid_angle();
@@ -86,9 +92,9 @@ impl Sky {
         [self.zenith, self.horizon, self.ground]
     }
 
-    /// The way to the sun, the cone it fills, and its radiance.
-    pub fn sun(&self) -> Option<(Dir, Cone, Radiance)> {
-        self.sun.map(|sun| (sun.direction, sun.cone, sun.radiance))
+    /// The sun, if there is one.
+    pub fn sun(&self) -> Option<&Sun> {
+        self.sun.as_ref()
     }
 
     /// Up and the way to the sun: unit vectors, or the border refuses them.

@@ -330,7 +330,7 @@ impl<'a> Scene<'a> {
 }
 
 /// To 2^-13, and in components that no product of two directions overflows with.
-fn is_unit(d: Dir) -> bool {
+pub(super) fn is_unit(d: Dir) -> bool {
     d.0.iter().all(|c| c.unsigned_abs() <= 2 << 16) && (d.dot_q24(d) - (1 << 24)).abs() <= 1 << 12
 }
 

@@ -27,7 +27,11 @@ use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 use distant::Ball;
 
 pub use arrange::{Arrangement, Boxed, arrange};
-pub use baked::{Baked, BakedError, Entry as BakedEntry, Field as BakedField, Head as BakedHead};
+pub use baked::{
+    Background, Baked, BakedError, BlobRecord, Entry as BakedEntry, Field as BakedField, Head as BakedHead,
+    LightRecord, MapRecord, MaterialRecord, Records, Room, ShapeRecord, Shot, SkyRecord, Technique,
+    TextureRecord, Whole, WholeHead,
+};
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
 pub use check::SceneError;
 pub use query::Seen;

@@ -1,16 +1,23 @@
-//! Turns a mesh into what lies in a chip's flash: vertices in a 16-bit cube, the tree, packed.
+//! Turns a mesh into what lies in a chip's flash: vertices in a 16-bit cube, the tree, packed, and a scene about it.
 //!
 //! The cube stands for 2 m: x and z from -1 m to 1 m, y from 0 to 2 m. A mesh stands on its floor, in the middle.
 
 mod knot;
 mod obj;
+mod pedestal;
 
+use microlux::bvh::{Node, max_nodes};
 use microlux::geom::{Point, Unit};
+use microlux::integrator::AmbientOcclusion;
+use microlux::scene::{SceneError, Shot, Technique};
 use microlux::shape::{Attributes, Grid, TriangleMesh};
-use microlux_bake::{Packed, blob};
+use microlux_bake::{Packed, scene_blob};
+
+pub use microlux_bake::Aligned;
 
 pub use knot::knot;
 pub use obj::obj;
+use pedestal::pedestal;
 
 /// A mesh in the cube, and as it lies in flash.
 #[derive(Clone, Debug)]
@@ -76,9 +83,25 @@ impl Baked {
         })
     }
 
-    /// What lies in flash, for `microlux::scene::Baked` to open.
+    /// What lies in flash, for `microlux::scene::Baked` to open: the whole scene.
     pub fn blob(&self) -> Result<Vec<u8>, String> {
-        blob(std::slice::from_ref(&self.packed), Unit::DEFAULT).map_err(|error| error.to_string())
+        let refused = |error: SceneError| error.to_string();
+        let (mut builder, camera) = pedestal().map_err(refused)?;
+        let (meshes, mut nodes) = ([self.packed.mesh()], [Node::EMPTY; max_nodes(3)]);
+        let scene = builder.build_with(&meshes, &mut nodes).map_err(refused)?;
+        let shot = Shot {
+            camera,
+            width: 240,
+            height: 240,
+            spp: 1,
+            technique: Technique::Path,
+            max_depth: 8,
+            rr_depth: 5,
+            hide_emitters: false,
+            ao_radius: AmbientOcclusion::FULL,
+        };
+        let packed = std::slice::from_ref(&self.packed);
+        scene_blob(packed, scene.parts(), &shot).map_err(|error| error.to_string())
     }
 }
 

@@ -74,7 +74,7 @@ impl Motif {
 /// Not inlined, so that its memory is taken while it runs and no longer.
 #[inline(never)]
 fn with_mesh<R>(look: impl FnOnce(&Scene, Camera) -> R) -> Option<R> {
-    let mut pedestal = Pedestal::new(mesh::mesh().ok()?).ok()?;
+    let mut pedestal = Pedestal::new(mesh::baked().ok()?);
     let (scene, camera) = pedestal.scene().ok()?;
     Some(look(&scene, camera))
 }

@@ -1,17 +1,18 @@
 //! What the boards show: scenes that stay in memory while they are drawn.
 
+#[cfg(not(feature = "roomy"))]
+use microlux::scene::Mesh;
+#[cfg(feature = "roomy")]
+use microlux::scene::{Room, Whole};
 use microlux::{
     bvh::{Node, max_nodes},
     camera::Camera,
-    color::{Radiance, albedo},
-    geom::{Dir, point},
-    light::Light,
-    material::Material,
-    num::{Share, Turn},
-    q,
-    scene::{Mesh, Scene, SceneBuilder, SceneError, builtin},
-    shape::{Geometry, Rectangle},
+    scene::{Baked, BakedError, Scene, SceneBuilder, SceneError, builtin},
 };
+
+#[cfg(not(feature = "roomy"))]
+#[path = "../../bake/src/pedestal.rs"]
+mod pedestal;
 
 /// Scenes by the name that the firmware prints, in the order in which it shows them.
 pub const NAMES: [&str; 2] = ["cornell", "mesh"];
@@ -45,59 +46,54 @@ impl Cornell {
     }
 }
 
-/// Room for the mesh's surroundings: a floor, a lamp, a dim sky.
+/// Room for the scene that the firmware carries: a mesh on a floor, a lamp, a dim sky.
+#[cfg(feature = "roomy")]
 pub struct Pedestal<'m> {
-    builder: SceneBuilder<3, 3, 2>,
-    camera: Camera,
-    meshes: [Mesh<'m>; 1],
+    baked: Baked<'m>,
+    room: Room<'m, 3, 3, 2, 1>,
+}
+
+#[cfg(feature = "roomy")]
+impl<'m> Pedestal<'m> {
+    /// Of what `firmware-bake` made.
+    pub const fn new(baked: Baked<'m>) -> Pedestal<'m> {
+        Pedestal {
+            baked,
+            room: Room::new(),
+        }
+    }
+
+    pub fn scene(&mut self) -> Result<(Scene<'_>, Camera), BakedError> {
+        let Whole { scene, shot } = self.baked.scene(&mut self.room)?;
+        Ok((scene, shot.camera))
+    }
+}
+
+/// The same without what opens whole scenes, 9 KiB of flash: of the baked one's mesh alone.
+#[cfg(not(feature = "roomy"))]
+pub struct Pedestal<'m> {
+    baked: Baked<'m>,
+    meshes: Option<[Mesh<'m>; 1]>,
+    builder: pedestal::Builder,
     nodes: [Node; max_nodes(3)],
 }
 
+#[cfg(not(feature = "roomy"))]
 impl<'m> Pedestal<'m> {
-    /// Puts up a mesh in the cube of [`crate::mesh::mesh`].
-    pub fn new(mesh: Mesh<'m>) -> Result<Pedestal<'m>, SceneError> {
-        let mut b = SceneBuilder::new();
-        let unit = b.unit();
-        let gray = albedo(q!(0.5, Share), q!(0.5, Share), q!(0.5, Share));
-        let floor = b.material(Material::lambert(gray))?;
-        let clay = albedo(q!(0.66, Share), q!(0.40, Share), q!(0.24, Share));
-        let clay = b.material(Material::lambert(clay))?;
-        let black = b.material(Material::Black)?;
-        let ground = Rectangle {
-            center: point(q!(0), q!(0), q!(0)),
-            u: Dir::Z,
-            v: Dir::X,
-            normal: Dir::Y,
-            half: [unit.length(q!(4)); 2],
-        };
-        let lamp = Rectangle {
-            center: point(q!(0.4), q!(3.2), q!(1.2)),
-            u: Dir::X,
-            v: Dir::Z,
-            normal: -Dir::Y,
-            half: [unit.length(q!(0.5)); 2],
-        };
-        b.shape(ground, floor)?;
-        b.shape(Geometry::Mesh(0), clay)?;
-        b.emitter(lamp, black, Radiance::new(q!(17), q!(15.5), q!(13)))?;
-        b.light(Light::Environment {
-            radiance: Radiance::new(q!(0.1), q!(0.12), q!(0.15)),
-        })?;
-        let camera = Camera::from_frame(
-            point(q!(0), q!(0.95), q!(4.4)),
-            [Dir::X, Dir::Y, -Dir::Z],
-            Camera::tan_half(q!(0.09, Turn)),
-        );
-        Ok(Pedestal {
-            builder: b,
-            camera,
-            meshes: [mesh],
+    pub const fn new(baked: Baked<'m>) -> Pedestal<'m> {
+        Pedestal {
+            baked,
+            meshes: None,
+            builder: pedestal::Builder::new(),
             nodes: [Node::EMPTY; max_nodes(3)],
-        })
+        }
     }
 
-    pub fn scene(&mut self) -> Result<(Scene<'_>, Camera), SceneError> {
-        let scene = self.builder.build_with(&self.meshes, &mut self.nodes)?;
-        Ok((scene, self.camera))
+    pub fn scene(&mut self) -> Result<(Scene<'_>, Camera), BakedError> {
+        let (builder, camera) = pedestal::pedestal().map_err(BakedError::Scene)?;
+        self.builder = builder;
+        let meshes = self.meshes.insert([self.baked.mesh(0)?]);
+        let scene = self.builder.build_with(meshes, &mut self.nodes);
+        Ok((scene.map_err(BakedError::Scene)?, camera))
     }
 }

@@ -9,12 +9,13 @@ use std::{
 
 use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
-use firmware_bake::Baked;
+use firmware_bake::{Aligned, Baked};
 use firmware_common::{
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
     tile::{self, Frame, Painter, Pass},
 };
+use microlux::scene;
 use serde_json::Value;
 
 use crate::{
@@ -320,12 +321,13 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, 
             },
         ));
     }
-    let mesh = match baked {
-        Some(baked) => baked.packed.mesh(),
-        None => mesh::mesh()?,
-    };
-    let mut pedestal = Pedestal::new(mesh).map_err(refused)?;
-    let (scene, camera) = pedestal.scene().map_err(refused)?;
+    let bytes = baked.map(Baked::blob).transpose().map_err(anyhow::Error::msg)?;
+    let bytes = bytes.map(|bytes| Aligned::new(&bytes));
+    let mut pedestal = Pedestal::new(match &bytes {
+        Some(bytes) => scene::Baked::open(bytes.bytes())?,
+        None => mesh::baked()?,
+    });
+    let (scene, camera) = pedestal.scene()?;
     Ok(painted(
         frame,
         goal.pass,

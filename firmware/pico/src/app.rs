@@ -88,7 +88,7 @@ pub fn run() -> ! {
 /// The scenes in variables of their own, which both cores read.
 fn stages() -> Option<Stages> {
     let cornell = singleton!(: Option<Cornell> = None)?.insert(Cornell::new().ok()?);
-    let pedestal = singleton!(: Option<Pedestal> = None)?.insert(Pedestal::new(mesh::mesh().ok()?).ok()?);
+    let pedestal = singleton!(: Option<Pedestal> = None)?.insert(Pedestal::new(mesh::baked().ok()?));
     let (box_, camera) = cornell.scene().ok()?;
     let cornell = Stage {
         scene: singleton!(: Option<Scene> = None)?.insert(box_),

@@ -190,40 +190,47 @@ pub struct InfoArgs {
 }
 
 const BAKE_EXAMPLES: &str = "\
-All meshes of SCENE are packed, with their trees, into one file; --scene-rust writes the rest of it, materials, lights, \
-textures, camera and other shapes, as a module of your program. There:
+A whole scene goes into one file: packed meshes with their trees, shapes, materials, lights, textures, what surrounds it, \
+and how it wants to be rendered. A board opens it where it lies, with a room as large as the report says:
 
-  mod room;
-  static MESHES: &[u8] = microlux::include_baked!(\"room.mlx\");
-  let meshes = [Baked::open(MESHES)?.mesh(0)?];
+  static SCENE: &[u8] = microlux::include_baked!(\"room.mlx\");
+  let mut room = Room::<20, 9, 2, 1>::new();
+  let Whole { scene, shot } = Baked::open(SCENE)?.scene(&mut room)?;
+
+Of an .obj or .ply, or with --meshes-only, meshes alone are baked, for a scene of your own: Baked::open(BUNNY)?.mesh(0)?. \
+With --scene-rust all else of SCENE becomes Rust source, which you may change:
+
   let (mut builder, camera) = room::scene()?;
   let scene = builder.build_from(room::borrowed(&meshes), &mut nodes)?;
 
-The preview is rendered from the baked bytes, in SCENE's light. Baked files are scenes, too: host-sim render bunny.mlx.
+The preview is rendered from the baked bytes. Baked files are scenes, too: host-sim render room.mlx.
 
 Examples:
-  host-sim bake bunny.obj -o bunny.mlx
-  host-sim bake room.xml -o room.mlx --scene-rust room.rs --preview room.png";
+  host-sim bake room.xml -o room.mlx --preview room.png
+  host-sim bake bunny.obj -o bunny.mlx --rust bunny.rs";
 
-/// Write a scene as a board takes it: its meshes as they lie in flash, the rest as Rust source.
+/// Write a scene, or its meshes, as they lie in a board's flash.
 #[derive(Debug, Args)]
 #[command(after_help = BAKE_EXAMPLES, after_long_help = BAKE_EXAMPLES)]
 pub struct BakeArgs {
     #[command(flatten)]
     pub scene: SceneArgs,
-    /// Write the baked meshes.
+    /// Write what is baked, .mlx.
     #[arg(short, long, value_name = "BLOB")]
     pub output: PathBuf,
-    /// Write them as Rust source, too.
+    /// Bake the meshes alone. Those of .obj and .ply files always are.
+    #[arg(long)]
+    pub meshes_only: bool,
+    /// Write the same as Rust source, too.
     #[arg(long, value_name = "FILE")]
     pub rust: Option<PathBuf>,
-    /// Write the rest of the scene as Rust source: materials, shapes, lights, textures, camera.
+    /// Write all but the meshes as Rust source: materials, shapes, lights, textures, camera. Bakes the meshes alone.
     #[arg(long, value_name = "FILE")]
     pub scene_rust: Option<PathBuf>,
     /// Write the numbers as JSON.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
-    /// Write a picture of the baked meshes, .png.
+    /// Write a picture of what was baked, .png.
     #[arg(long, value_name = "FILE")]
     pub preview: Option<PathBuf>,
     /// Say nothing but errors.

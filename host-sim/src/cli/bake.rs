@@ -1,6 +1,7 @@
 //! `host-sim bake`.
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use serde_json::json;
 
@@ -9,9 +10,9 @@ use super::progress::Meter;
 use super::render::Output;
 use super::table::{Table, grouped};
 use super::{Failure, source, stop, terminal};
-use crate::bake;
+use crate::bake::{self, Aligned};
 use crate::code;
-use crate::flash::{self, Flash, Part};
+use crate::flash::{self, Flash, Part, ScenePart};
 use crate::picture::{Format, Style, Target, display_pixels};
 use crate::quantise::CoreScene;
 use crate::run::{self, Options};
@@ -32,9 +33,10 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
         return Err(Failure::Wrong(format!("{path}: a preview is a .png; name it so")));
     }
     let stop = stop::on_ctrl_c()?;
-    let flash = flash::bake(&desc).map_err(of_run)?;
-    if flash.meshes.is_empty() && scene_rust.is_none() {
-        let none = "it has no mesh to bake; --scene-rust writes its other shapes";
+    let is_whole = !args.meshes_only && scene_rust.is_none() && !is_mesh(&args.scene.scene);
+    let flash = flash::bake(&desc, is_whole).map_err(of_run)?;
+    if flash.meshes.is_empty() && args.meshes_only {
+        let none = "it has no mesh to bake; without --meshes-only the whole scene is";
         return Err(of_run(run::Error::Scene(none.to_string())));
     }
     let code = match &scene_rust {
@@ -52,13 +54,19 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
         ..Options::for_scene(&desc)
     };
     let meter = Meter::new("preview", args.quiet);
-    let seen = run::render_baked(&desc, &flash.bytes, &options, &meter, &stop);
+    let seen = match flash.scene {
+        Some(_) => flash::scene(&desc.name, Aligned::new(&flash.bytes))
+            .map_err(run::Error::Scene)
+            .and_then(|baked| run::render_fixed(&baked, &options, &meter, &stop)),
+        None => run::render_baked(&desc, &flash.bytes, &options, &meter, &stop),
+    };
     meter.finish();
     let (picture, _) = seen.map_err(of_run)?;
 
     blob.write(&flash.bytes)?;
     if let Some(target) = &rust {
-        target.write(bake::rust(&flash.bytes, "MESHES").as_bytes())?;
+        let name = if is_whole { "SCENE" } else { "MESHES" };
+        target.write(bake::rust(&flash.bytes, name).as_bytes())?;
     }
     if let (Some(target), Some(code)) = (&scene_rust, &code) {
         target.write(code.as_bytes())?;
@@ -78,6 +86,14 @@ pub fn bake(args: &BakeArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Whether a file has a mesh alone, no scene.
+fn is_mesh(file: &str) -> bool {
+    let ending = Path::new(file).extension().unwrap_or_default();
+    ["obj", "ply"]
+        .iter()
+        .any(|mesh| ending.eq_ignore_ascii_case(mesh))
+}
+
 fn as_json(scene: &str, flash: &Flash) -> serde_json::Value {
     let sum = |of: fn(&Part) -> usize| flash.meshes.iter().map(of).sum::<usize>();
     json!({
@@ -86,6 +102,7 @@ fn as_json(scene: &str, flash: &Flash) -> serde_json::Value {
         "bytes_total": flash.bytes.len(),
         "bytes_bvh": sum(|part| part.nodes),
         "bytes_geometry": sum(|part| part.treelets + part.vertices + part.leaves),
+        "bytes_scene": flash.scene.map_or(0, |scene| scene.bytes),
         "meshes": flash.meshes.iter().map(|part| json!({
             "name": part.name,
             "triangles": part.triangles,
@@ -128,6 +145,16 @@ fn as_text(flash: &Flash) -> String {
             "vertices moved by {worst:.2e} m at most ({:.4} % of the extent), {rms:.2e} m RMS\n\
              tree: {rounded:.2} nodes and triangles a ray by the surface area heuristic, {exact:.2} with exact boxes\n\n",
             worst * share
+        );
+    }
+    if let Some(ScenePart {
+        bytes,
+        room: [shapes, materials, lights, lent],
+    }) = flash.scene
+    {
+        let bytes = grouped(bytes as u64);
+        text += &format!(
+            "{bytes} bytes of shapes, materials, lights and the rest, for a Room::<{shapes}, {materials}, {lights}, {lent}>\n"
         );
     }
     text + &format!("{} bytes in all, ", grouped(flash.bytes.len() as u64))

@@ -19,10 +19,10 @@ pub fn info(args: &InfoArgs) -> Result<(), Failure> {
     let of_run = |error| Failure::of_run(&args.scene.scene, error);
     let mut info = run::describe(&desc, &options).map_err(of_run)?;
     let path = Path::new(&args.scene.scene);
-    if path
+    let is_baked = path
         .extension()
-        .is_some_and(|ending| ending.eq_ignore_ascii_case("mlx"))
-    {
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("mlx"));
+    if is_baked && desc.baked.is_none() {
         // As they are baked, not as they were taken apart to be shown.
         [info.bytes_geometry, info.bytes_bvh] = flash::bytes(path).map_err(of_run)?;
         info.bytes_normals = 0;

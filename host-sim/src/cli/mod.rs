@@ -137,6 +137,7 @@ mod tests {
             materials: Vec::new(),
             shapes: Vec::new(),
             lights: Vec::new(),
+            baked: None,
         }
     }
 

@@ -1,4 +1,4 @@
-//! `.mlx`: what `host-sim bake` wrote, for a look at it.
+//! `.mlx`: what `host-sim bake` wrote, a whole scene, or meshes for a look at them.
 
 use std::path::Path;
 
@@ -12,6 +12,14 @@ use microlux::shape::Layers;
 pub(super) fn load(path: &Path) -> Result<Loaded, ImportError> {
     let bytes = std::fs::read(path).map_err(|error| ImportError::io(path, &error))?;
     let bytes = Aligned::new(&bytes);
+    if flash::is_scene(bytes.bytes()) {
+        let scene = flash::scene(&stem(path), bytes).map_err(|error| ImportError::new(path, error))?;
+        return Ok(Loaded {
+            scene,
+            notes: Vec::new(),
+            warnings: Vec::new(),
+        });
+    }
     let meshes = flash::meshes(bytes.bytes()).map_err(|error| ImportError::new(path, error))?;
     let mut model = Model {
         materials: vec![

@@ -91,6 +91,7 @@ impl Model {
             materials: self.materials,
             shapes: self.shapes,
             lights: self.lights,
+            baked: None,
         };
         Ok(Loaded {
             scene,

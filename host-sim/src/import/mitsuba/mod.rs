@@ -95,6 +95,7 @@ fn read_scene<'a>(root: &'a Element, context: &Context<'a>) -> Result<SceneDesc,
         materials: materials.list,
         shapes,
         lights,
+        baked: None,
     })
 }
 

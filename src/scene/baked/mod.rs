@@ -1,16 +1,17 @@
-//! Meshes as `host-sim bake` writes them, read where they lie.
+//! Meshes and whole scenes as `host-sim bake` writes them, read where they lie.
 //!
 //! All numbers are little-endian; everything begins at a multiple of 4 bytes, the whole too ([`include_baked!`] sees to it).
 //!
 //! | byte | what |
 //! |---|---|
 //! | 0 ..= 7 | `microlux` |
-//! | 8, 9 | version: 1 |
+//! | 8, 9 | version: 2 |
 //! | 10, 11 | meshes |
 //! | 12 ..= 15 | bytes in all |
 //! | 16 ..= 19 | CRC-32 (IEEE 802.3) of all bytes after it |
 //! | 20 … | for each mesh an entry of 44 bytes |
 //! | … | for each mesh its four parts, each filled up with zeros to a multiple of 4 |
+//! | … | the scene that they are for, or nothing: a [`WholeHead`], and what that tells of |
 //!
 //! | byte of an entry | what |
 //! |---|---|
@@ -22,13 +23,19 @@
 //! | 27 | 0 |
 //! | 28 ..= 43 | bytes of its parts, 4×u32: nodes (40 each), treelets (12 each), vertices, leaves |
 
-use super::Mesh;
+mod record;
+mod whole;
+
+use super::{Mesh, SceneError};
 use crate::bvh::Node;
 use crate::geom::{Point, Unit};
 use crate::num::Crc;
 use crate::shape::{Bounds, Grid, Layers, PackedMesh, Treelet, Triangles};
 use zerocopy::byteorder::little_endian::{I32, U16, U32};
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout, Unaligned};
+
+pub use record::{BlobRecord, LightRecord, MapRecord, MaterialRecord, ShapeRecord, SkyRecord, TextureRecord};
+pub use whole::{Background, Records, Room, Shot, Technique, Whole, WholeHead};
 
 /// What is at the beginning.
 #[repr(C)]
@@ -55,7 +62,7 @@ pub struct Entry {
 }
 
 const MAGIC: [u8; 8] = *b"microlux";
-const VERSION: u16 = 1;
+const VERSION: u16 = 2;
 /// Of [`Head::checksum`], before which nothing is summed.
 const SUMMED_FROM: usize = size_of::<Head>();
 
@@ -110,14 +117,14 @@ pub enum Field {
     Bytes,
 }
 
-/// What is wrong with baked meshes from outside.
+/// What is wrong with a blob from outside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BakedError {
-    /// They do not lie at a multiple of 4 bytes.
+    /// It does not lie at a multiple of 4 bytes.
     Unaligned,
-    /// They do not begin as such.
+    /// It does not begin as such.
     Magic,
-    /// They are of another version of the format.
+    /// It is of another version of the format.
     Version { found: u16 },
     /// There are fewer bytes, or more, than the head says, or than the table needs.
     Length { expected: usize, found: usize },
@@ -127,6 +134,20 @@ pub enum BakedError {
     Entry { mesh: u16, field: Field },
     /// There is no such mesh.
     NoMesh { mesh: u16, meshes: u16 },
+    /// There are meshes alone.
+    NoScene,
+    /// The scene says of something what makes no sense.
+    Whole { field: &'static str },
+    /// The same of its `index`th shape, material, light or texture.
+    Record {
+        what: &'static str,
+        index: u16,
+        field: &'static str,
+    },
+    /// The scene ends before all that its head tells of, or does not.
+    Cut { left: usize },
+    /// The scene cannot be rendered, or does not fit in the memory for it.
+    Scene(SceneError),
 }
 
 impl core::fmt::Display for BakedError {
@@ -134,13 +155,13 @@ impl core::fmt::Display for BakedError {
         match self {
             Self::Unaligned => write!(
                 f,
-                "baked meshes lie at no multiple of 4 bytes: take include_baked!"
+                "what was baked lies at no multiple of 4 bytes: take include_baked!"
             ),
-            Self::Magic => write!(f, "these are no baked meshes: they begin otherwise"),
+            Self::Magic => write!(f, "this was not baked: it begins otherwise"),
             Self::Version { found } => {
                 write!(
                     f,
-                    "version {found} of baked meshes; this is {VERSION}: bake again"
+                    "version {found} of what is baked; this is {VERSION}: bake again"
                 )
             }
             Self::Length { expected, found } => write!(f, "{found} bytes instead of {expected}"),
@@ -163,21 +184,27 @@ impl core::fmt::Display for BakedError {
                 write!(f, "the table's entry of mesh {mesh}: {field}")
             }
             Self::NoMesh { mesh, meshes } => write!(f, "there is no mesh {mesh}, but {meshes} of them"),
+            Self::NoScene => f.write_str("there are meshes, but no scene"),
+            Self::Whole { field } => write!(f, "the scene: its {field} makes no sense"),
+            Self::Record { what, index, field } => write!(f, "{what} {index}: its {field} makes no sense"),
+            Self::Cut { left } => write!(f, "the scene: {left} bytes are left where it needs others"),
+            Self::Scene(error) => error.fmt(f),
         }
     }
 }
 
 impl core::error::Error for BakedError {}
 
-/// Baked meshes, borrowed from where they lie.
+/// Baked meshes, and maybe the scene that they are for, borrowed from where they lie.
 #[derive(Clone, Copy, Debug)]
 pub struct Baked<'a> {
     table: &'a [Entry],
     parts: &'a [u8],
+    scene: &'a [u8],
 }
 
 impl<'a> Baked<'a> {
-    /// Reads head and table, and sums all bytes. The meshes themselves are checked with their scene.
+    /// Reads head and table, and sums all bytes. What they tell of is checked with the scene.
     pub fn open(bytes: &'a [u8]) -> Result<Baked<'a>, BakedError> {
         if bytes.as_ptr().addr() & 3 != 0 {
             return Err(BakedError::Unaligned);
@@ -219,10 +246,10 @@ impl<'a> Baked<'a> {
                 return Err(wrong(field));
             }
         }
-        if end != parts.len() {
-            return Err(short(needed.saturating_add(end)));
-        }
-        Ok(Baked { table, parts })
+        let (parts, scene) = parts
+            .split_at_checked(end)
+            .ok_or(short(needed.saturating_add(end)))?;
+        Ok(Baked { table, parts, scene })
     }
 
     /// How many meshes there are.
