@@ -1,6 +1,9 @@
 use super::Dir;
 use crate::num::{ONE_Q16, mul_q16, recip};
 
+/// −1, Q16.
+const MINUS: i32 = -ONE_Q16;
+
 /// Two tangents and a normal: an orthonormal, right-handed basis.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
@@ -29,6 +32,23 @@ impl Frame {
         }
     }
 
+    /// `Frame::about(n).to_world(local)`, the same bits, without a product where the normal is an axis.
+    #[inline]
+    pub fn turn(n: Dir, local: Dir) -> Dir {
+        let [s, t, h] = local.0;
+        // The tangent's own component along x or y is 2^-16, since 1/(1 + 0) comes out that much short of 1.
+        let short = |tangent: i32| ((tangent >> 8) + 128) >> 8;
+        match n.0 {
+            [ONE_Q16, 0, 0] => Dir([h + short(s), t, -s]),
+            [MINUS, 0, 0] => Dir([short(s) - h, t, s]),
+            [0, ONE_Q16, 0] => Dir([s, h + short(t), -t]),
+            [0, MINUS, 0] => Dir([s, short(t) - h, t]),
+            [0, 0, ONE_Q16] => Dir([s, t, h]),
+            [0, 0, MINUS] => Dir([s, -t, -h]),
+            _ => Frame::about(n).to_world(local),
+        }
+    }
+
     /// From local coordinates (s, t, n) to the frame's own; components have the error of [`Dir::dot`].
     #[inline]
     pub fn to_world(&self, local: Dir) -> Dir {
@@ -41,5 +61,30 @@ impl Frame {
     #[inline]
     pub fn to_local(&self, world: Dir) -> Dir {
         Dir([world.dot(self.s), world.dot(self.t), world.dot(self.n)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn about_an_axis_coordinates_are_swapped() {
+        let mut s = 5u32;
+        let mut r = || {
+            s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+            ((s ^ (s >> 15)) >> 15) as i32 - ONE_Q16
+        };
+        for n in [Dir::X, Dir::Y, Dir::Z] {
+            for n in [n, -n] {
+                let frame = Frame::about(n);
+                for _ in 0..10_000 {
+                    let local = Dir([r(), r(), r()]);
+                    assert_eq!(Frame::turn(n, local), frame.to_world(local), "{n:?}");
+                }
+            }
+        }
+        let (n, local) = (Dir([46341, 0, -46341]), Dir([100, -200, 65000]));
+        assert_eq!(Frame::turn(n, local), Frame::about(n).to_world(local));
     }
 }

@@ -9,6 +9,15 @@ pub const fn mul_q16(a: i32, b: i32) -> i32 {
     return ((a as i64 * b as i64) >> 16) as i32;
 }
 
+/// [`mul_q16`], quicker on narrow cores where `unit` is −1, 0 or 1 (Q16): of directions that are often axes.
+#[inline(always)]
+pub const fn mul_unit(a: i32, unit: i32) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_unit(a, unit);
+    #[cfg(not(narrow_mul))]
+    return mul_q16(a, unit);
+}
+
 /// ⌊a·b / 2^`shift`⌋, wrapped to 32 bits; `shift` in 0 ..= 63.
 ///
 /// Exact floor: error in (−1, 0] ulp, RMS 0.58, mean −½ (`tests/num_error`).
@@ -40,6 +49,24 @@ pub const fn mul_hi_signed(a: i32, b: i32) -> i32 {
     return ((a as i64 * b as i64) >> 32) as i32;
 }
 
+/// Σ a·b / 2^8 of three components within ±2^16 (and a little), Q16: Q24, rounded down.
+#[inline(always)]
+pub const fn dot_q24(a: [i32; 3], b: [i32; 3]) -> i32 {
+    // a = 2^8 ah + al: Σ ah·b < 2^26 and Σ al·b < 2^26 in magnitude.
+    let high = (a[0] >> 8) * b[0] + (a[1] >> 8) * b[1] + (a[2] >> 8) * b[2];
+    let low = (a[0] & 255) * b[0] + (a[1] & 255) * b[1] + (a[2] & 255) * b[2];
+    high + (low >> 8)
+}
+
+/// [`dot_q24`], quicker on narrow cores where components of `unit` are −1, 0 or 1.
+#[inline(always)]
+pub const fn dot_unit(a: [i32; 3], unit: [i32; 3]) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::dot_unit(a, unit);
+    #[cfg(not(narrow_mul))]
+    return dot_q24(a, unit);
+}
+
 /// The same products from 32×32→32 multiplications alone; `tests/num_error` holds the twins equal.
 pub mod narrow {
     /// See [`super::mul_q16`]. Four products: ah·bh·2^16 + ah·bl + al·bh + ⌊al·bl / 2^16⌋, modulo 2^32.
@@ -52,6 +79,33 @@ pub mod narrow {
             .wrapping_add(ah.wrapping_mul(bl))
             .wrapping_add(al.wrapping_mul(bh))
             .wrapping_add(low as i32)
+    }
+
+    /// See [`super::mul_unit`].
+    #[inline(always)]
+    pub const fn mul_unit(a: i32, unit: i32) -> i32 {
+        if unit & 0xffff == 0 {
+            a.wrapping_mul(unit >> 16)
+        } else {
+            mul_q16(a, unit)
+        }
+    }
+
+    /// See [`super::dot_unit`]. The product of such a component has no bits to be cut off.
+    #[inline]
+    pub const fn dot_unit(a: [i32; 3], unit: [i32; 3]) -> i32 {
+        let (mut whole, mut high, mut low) = (0, 0, 0);
+        let mut i = 0;
+        while i < 3 {
+            if unit[i] & 0xffff == 0 {
+                whole += a[i] * (unit[i] >> 16);
+            } else {
+                high += (a[i] >> 8) * unit[i];
+                low += (a[i] & 255) * unit[i];
+            }
+            i += 1;
+        }
+        (whole << 8) + high + (low >> 8)
     }
 
     /// See [`super::mul_hi`]. The middle products carry into the high word.

@@ -43,12 +43,25 @@ pub fn short_rsqrt(n: u32) -> u32 {
 pub fn rsqrt(x: u32) -> (u32, u32) {
     let half = leading_zeros(x | 1) >> 1;
     let n = (x | (x == 0) as u32) << (2 * half);
+    (long_rsqrt(n), half)
+}
+
+/// [`rsqrt`] of 2^28 and more, without counting zeros.
+#[inline]
+pub fn rsqrt_of_large(x: u32) -> (u32, u32) {
+    let half = (x >> 30 == 0) as u32;
+    (long_rsqrt(x << (2 * half)), half)
+}
+
+/// 2^47/√n for n in [2^30, 2^32).
+#[inline]
+fn long_rsqrt(n: u32) -> u32 {
     let r = short_rsqrt(n);
     // R = 2^47/√n to 2^-14; n R² / 2^64 = 2^30 (1 + 2 error); |e| < 2^17, r/4 < 2^14.
     let big = r << 16;
     let e = (1i32 << 30) - mul_hi(n, r * r) as i32;
     let correction = (((big >> 18) as i32) * e) >> 13;
-    (big.saturating_add_signed(correction).max(1 << 31), half)
+    big.saturating_add_signed(correction).max(1 << 31)
 }
 
 /// ⌊√x⌋, exactly (every `x` was tried). On the bits of a U0F32 it answers the root's U0F16, rounded down.

@@ -43,6 +43,10 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
             [mul_hi_signed(a, b), narrow::mul_hi_signed(a, b)],
             [(product >> 32) as i32; 2]
         );
+        for unit in [b & 0x1_ffff, -(b & 0x1_ffff), 0, 1 << 16, -1 << 16] {
+            let exact = ((i64::from(a) * i64::from(unit)) >> 16) as i32;
+            assert_eq!([mul_unit(a, unit), narrow::mul_unit(a, unit)], [exact; 2]);
+        }
         let unsigned = u64::from(a as u32) * u64::from(b as u32);
         assert_eq!(
             [mul_hi(a as u32, b as u32), narrow::mul_hi(a as u32, b as u32)],
@@ -63,6 +67,36 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
     let mut random = Random(1);
     for _ in 0..100_000 {
         hold(random.signed(32), random.signed(32));
+    }
+}
+
+#[test]
+fn both_forms_of_a_cosine_are_the_exact_floor() {
+    let mut random = Random(20);
+    let unit = |random: &mut Random| match random.below(5) {
+        0 => 0,
+        1 => 1 << 16,
+        2 => -1 << 16,
+        _ => random.signed(17),
+    };
+    for _ in 0..100_000 {
+        let a = [0; 3].map(|_| random.signed(17));
+        let b = [0; 3].map(|_| unit(&mut random));
+        let sum: i64 = (0..3).map(|i| i64::from(a[i]) * i64::from(b[i])).sum();
+        let exact = (sum >> 8) as i32;
+        assert_eq!(
+            [dot_q24(a, b), dot_unit(a, b), narrow::dot_unit(a, b)],
+            [exact; 3]
+        );
+    }
+}
+
+#[test]
+fn roots_of_large_numbers_are_roots() {
+    let mut random = Random(21);
+    for _ in 0..1_000_000 {
+        let x = random.bits().max(1 << 28);
+        assert_eq!(rsqrt_of_large(x), rsqrt(x), "{x}");
     }
 }
 
