@@ -134,7 +134,8 @@ impl Path {
 
     /// The light that one sample of one light sends over the vertex, weighted against the BSDF sample that could have
     /// found it.
-    #[inline]
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline)]
     fn sample_light(
         &self,
         scene: &Scene,

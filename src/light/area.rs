@@ -25,7 +25,7 @@ pub fn sample_area(
         area,
     } = flat_place(emitter, u)?;
     let (wi, norm) = from.point.to(target).normalize()?;
-    let cos = -wi.dot(normal);
+    let cos = -wi.dot_normal(normal);
     if cos <= 0 {
         return None;
     }
@@ -74,8 +74,8 @@ fn flat_place(emitter: Emitter, u: [Uniform; 2]) -> Option<FlatPlace> {
             } = *rectangle;
             let signed = |u: Uniform| (u.to_bits() >> 15) as i32 - ONE_Q16;
             let target = center
-                .along(s, mul_q16(half[0], signed(u[0])))
-                .along(t, mul_q16(half[1], signed(u[1])));
+                .along_side(s, mul_q16(half[0], signed(u[0])))
+                .along_side(t, mul_q16(half[1], signed(u[1])));
             (target, normal, LIFT, rectangle.area())
         }
         Emitter::Shape(

@@ -7,7 +7,7 @@ use crate::sampler::warp;
 /// f·cos θi = ρ/π · cos θi, density cos θi / π.
 #[inline]
 pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {
-    let cos = wi.dot(facing(two_sided, local)?);
+    let cos = wi.dot_normal(facing(two_sided, local)?);
     if cos <= 0 {
         return None;
     }
@@ -26,7 +26,7 @@ pub(super) fn pdf(two_sided: bool, local: &Local, wi: Dir) -> Wide {
 pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform; 2]) -> Option<BsdfSample> {
     let normal = facing(two_sided, local)?;
     let drawn = warp::sample_cosine_hemisphere(u);
-    let wi = Frame::about(normal).to_world(drawn);
+    let wi = Frame::turn(normal, drawn);
     Some(BsdfSample {
         wi,
         weight: Radiance::from_albedo(albedo, Wide::ONE),

@@ -278,7 +278,7 @@ impl Material {
 /// The normal on the eye's side; `None` behind a one-sided surface.
 #[inline]
 fn facing(two_sided: bool, local: &Local) -> Option<Dir> {
-    if local.wo.dot_q24(local.normal) > 0 {
+    if local.wo.dot_q24_normal(local.normal) > 0 {
         Some(local.normal)
     } else if two_sided {
         Some(-local.normal)

@@ -242,7 +242,8 @@ impl Vertex<'_> {
     }
 
     /// [`Material::sample`].
-    #[inline]
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline)]
     pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
         if self.is_plain() {
             let local = Local {
@@ -357,7 +358,9 @@ impl<'a> Scene<'a> {
     /// How often [`Self::choose_light`] takes a light; the environment, if it is sampled, is the last.
     #[inline]
     pub fn light_chance(&self, index: u32) -> Wide {
-        if self.parts.choice.is_empty() {
+        if self.light_count == 1 {
+            Wide::ONE
+        } else if self.parts.choice.is_empty() {
             Wide::new(self.light_count, 0).recip()
         } else {
             light::chance_by(index as usize, self.parts.choice)
@@ -386,7 +389,7 @@ impl<'a> Scene<'a> {
         let material = shape.and_then(|shape| self.parts.materials.get(shape.material as usize));
         let light = shape
             .and_then(|shape| shape.light)
-            .filter(|_| wo.dot_q24(surface.normal) > 0);
+            .filter(|_| wo.dot_q24_normal(surface.normal) > 0);
         let emission = match light.and_then(|light| self.parts.lights.get(light as usize)) {
             Some(Light::Area { radiance, .. }) => *radiance,
             _ => Radiance::BLACK,

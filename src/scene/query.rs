@@ -100,6 +100,7 @@ impl Scene<'_> {
     ///
     /// With a few emitters they are asked first, and what may stand before the nearest of them after, which is cheaper
     /// than the nearest of all; a hit on an emitter at the very distance of another shape counts.
+    #[cfg_attr(narrow_mul, inline(never))]
     pub fn closest_light(&self, ray: &Ray) -> Option<Seen> {
         if self.light_count - u32::from(self.environment.is_sampled()) > FEW_LIGHTS {
             return match self.closest(ray) {

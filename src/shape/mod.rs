@@ -146,11 +146,11 @@ impl Surface {
     /// The origin of a ray that leaves towards `wi`: lifted to the side `wi` points to.
     #[inline]
     pub fn leave(&self, wi: Dir) -> Point {
-        let lift = if wi.dot_q24(self.normal) >= 0 {
+        let lift = if wi.dot_q24_normal(self.normal) >= 0 {
             self.lift
         } else {
             -self.lift
         };
-        self.point.along(self.normal, lift)
+        self.point.along_briefly(self.normal, lift)
     }
 }

@@ -1,7 +1,7 @@
 //! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
 
 use crate::geom::{Dir, FAR, Offset, Point, Ray};
-use crate::num::{Wide, leading_zeros, mul_hi, mul_q16, recip, round_shift};
+use crate::num::{Wide, leading_zeros, mul_hi, mul_q16, mul_unit, recip, round_shift};
 
 /// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
 ///
@@ -97,15 +97,51 @@ impl Rectangle {
 
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
-        let t = bounded_crossing(self.center, self.normal, ray, t_max)?;
-        // Coordinates are rounded down by up to 3 units.
-        let p = self.center.to(ray.at(t));
-        let x = dot(p, self.u);
-        if x > self.half[0] || x < -self.half[0] - 3 {
-            return None;
+        match self.normal.0 {
+            [n, 0, 0] => self.intersect_upright::<0>(n, ray, t_max),
+            [0, n, 0] => self.intersect_upright::<1>(n, ray, t_max),
+            [0, 0, n] => self.intersect_upright::<2>(n, ray, t_max),
+            _ => {
+                let t = bounded_crossing(self.center, self.normal, ray, t_max)?;
+                self.holds(self.center.to(ray.at(t))).then_some(t)
+            }
         }
-        let y = dot(p, self.v);
-        (y <= self.half[1] && y >= -self.half[1] - 3).then_some(t)
+    }
+
+    /// Where the normal is axis `K` or its opposite, the same with fewer products.
+    #[inline]
+    fn intersect_upright<const K: usize>(&self, normal: i32, ray: &Ray, t_max: i32) -> Option<i32> {
+        let d = ray.dir.0;
+        let from = self.center.to(ray.origin).0;
+        let height = mul_unit(from[K], normal);
+        let slope = (d[K] >> 8) * normal + (((d[K] & 255) * normal) >> 8);
+        let t = meet(height, slope, t_max).filter(|t| *t < t_max.min(FAR))?;
+        let mut p = [0; 3];
+        for a in [(K + 1) % 3, (K + 2) % 3] {
+            p[a] = from[a].wrapping_add(mul_q16(t, d[a]));
+        }
+        // A side along the normal there is not.
+        if self.u.0[K] | self.v.0[K] != 0 {
+            return self.holds(self.center.to(ray.at(t))).then_some(t);
+        }
+        let side = |s: Dir| {
+            let (a, b) = ((K + 1) % 3, (K + 2) % 3);
+            mul_unit(p[a], s.0[a]).wrapping_add(mul_unit(p[b], s.0[b]))
+        };
+        (self.holds_along(0, side(self.u)) && self.holds_along(1, side(self.v))).then_some(t)
+    }
+
+    /// Whether a place on the plane, seen from the centre, is within the sides.
+    #[inline]
+    fn holds(&self, p: Offset) -> bool {
+        self.holds_along(0, dot(p, self.u)) && self.holds_along(1, dot(p, self.v))
+    }
+
+    /// The same along one of the sides. Coordinates are rounded down by up to 3 units.
+    #[inline(always)]
+    fn holds_along(&self, side: usize, x: i32) -> bool {
+        let half = self.half[side];
+        x <= half && x >= -half - 3
     }
 
     /// Area, units².
@@ -120,7 +156,13 @@ impl Rectangle {
 #[inline(always)]
 fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
     let height = dot(point.to(ray.origin), normal);
-    let slope = slope(ray.dir, normal);
+    let slope = ray.dir.dot_q24_normal(normal);
+    meet(height, slope, t_max)
+}
+
+/// The same of the height over the plane and what is lost of it along the ray.
+#[inline(always)]
+fn meet(height: i32, slope: i32, t_max: i32) -> Option<i32> {
     // They meet in front only if one is positive and the other negative.
     if (height ^ slope) >= 0 || slope == 0 {
         return None;
@@ -144,29 +186,13 @@ fn quotient(height: u32, slope: u32, t_max: i32) -> Option<i32> {
     (t > 0).then_some(t)
 }
 
-/// [`crate::geom::Offset::dot`], the same bits with one product where the direction is an axis.
+/// [`crate::geom::Offset::dot`], the same bits with fewer products where the direction is an axis or at right angles to one.
 #[inline(always)]
 fn dot(v: Offset, d: Dir) -> i32 {
-    let [x, y, z] = d.0;
-    match (x == 0, y == 0, z == 0) {
-        (_, true, true) => mul_q16(v.0[0], x),
-        (true, _, true) => mul_q16(v.0[1], y),
-        (true, true, _) => mul_q16(v.0[2], z),
-        _ => v.dot(d),
-    }
-}
-
-/// [`Dir::dot_q24`], the same bits with one product where the normal is an axis.
-#[inline(always)]
-fn slope(dir: Dir, normal: Dir) -> i32 {
-    let one = |d: i32, n: i32| (d >> 8) * n + (((d & 255) * n) >> 8);
-    let [x, y, z] = normal.0;
-    match (x == 0, y == 0, z == 0) {
-        (_, true, true) => one(dir.0[0], x),
-        (true, _, true) => one(dir.0[1], y),
-        (true, true, _) => one(dir.0[2], z),
-        _ => dir.dot_q24(normal),
-    }
+    let (v, d) = (v.0, d.0);
+    mul_unit(v[0], d[0])
+        .wrapping_add(mul_unit(v[1], d[1]))
+        .wrapping_add(mul_unit(v[2], d[2]))
 }
 
 /// The same for a shape that ends: under `t_max`, and none that was placed at [`FAR`], where the ray is not on the plane.
@@ -178,5 +204,6 @@ fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<
 /// A point near a plane, brought onto it along the normal.
 #[inline]
 pub fn onto_plane(point: Point, normal: Dir, near: Point) -> Point {
-    near.along(normal, -point.to(near).dot(normal))
+    let height = dot(point.to(near), normal);
+    near.along_side(normal, -height)
 }
