@@ -168,7 +168,9 @@ impl FilmPlane {
         let to_plane = |d: i32| mul_shift(self.per_width.times(d, 10), tan, 26);
         let (sx, sy) = (to_plane(dx), to_plane(dy));
         let (r, u, f) = (camera.right.0, camera.up.0, camera.forward.0);
-        let part = |i: usize| (f[i] << 4) + mul_shift(sx, r[i], 16) + mul_shift(sy, u[i], 16);
+        // Axes of a camera that stands upright have components of 0.
+        let share = |s: i32, d: i32| if d == 0 { 0 } else { mul_q16(s, d) };
+        let part = |i: usize| (f[i] << 4) + share(sx, r[i]) + share(sy, u[i]);
         let through = [part(0), part(1), part(2)];
         if !camera.has_lens() {
             return Some(Ray {
