@@ -70,6 +70,9 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
                 let light =
                     self.integrator
                         .radiance(&view, ray, &mut self.sampler, &mut NoSplats, &mut self.rays);
+                if spp == 1 && light.is_its_mean() {
+                    return light;
+                }
                 let sample = light.to_q32();
                 sum = [sum[0] + sample[0], sum[1] + sample[1], sum[2] + sample[2]];
             }
