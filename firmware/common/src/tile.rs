@@ -132,17 +132,14 @@ impl<'s> Painter<'s> {
             Size::new(SIDE / block, SIDE / block),
         );
         let tile = self.renderer.tile(area, &mut self.light);
-        let columns = SIDE / block;
-        for (place, color) in (0..).zip(tile.colors::<Rgb565>(&DISPLAY)) {
-            let (x, y) = (place % columns * block, place / columns * block);
-            for row in pixels
-                .chunks_exact_mut(SIDE as usize)
-                .skip(y as usize)
-                .take(block as usize)
-            {
-                for pixel in row.iter_mut().skip(x as usize).take(block as usize) {
-                    *pixel = color.into_storage();
-                }
+        let mut colors = tile.colors::<Rgb565>(&DISPLAY);
+        for rows in pixels.chunks_exact_mut((SIDE * block) as usize) {
+            let (first, others) = rows.split_at_mut(SIDE as usize);
+            for (blocks, color) in first.chunks_exact_mut(block as usize).zip(&mut colors) {
+                blocks.fill(color.into_storage());
+            }
+            for row in others.chunks_exact_mut(SIDE as usize) {
+                row.copy_from_slice(first);
             }
         }
     }
