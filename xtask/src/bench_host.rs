@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::{bench_seed, raystones, shell};
+use crate::{bench_seed, profile, raystones, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -31,10 +31,12 @@ pub struct Options {
     json: Option<PathBuf>,
 }
 
-pub(crate) const RECORD: &str = "docs/performance.md";
+const RECORD: &str = "docs/performance.md";
 /// Sections that a run may leave as they are.
 const BESIDE: &str = "## Beside the program of the paper's author";
-pub(crate) const TRIED: &str = "## Tried";
+const TRIED: &str = "## Tried";
+/// Sections that others write, in this order, and the one that is written by hand.
+const KEPT: [&str; 3] = [raystones::TITLE, profile::TITLE, TRIED];
 /// The first record, 2026-11-23 at commit 0637617: scene, a primary ray, a path.
 const FIRST: [(&str, u64, u64); 12] = [
     ("cornell", 2143, 15679),
@@ -99,7 +101,7 @@ pub fn run(options: &Options) -> Result<()> {
         None => section(&before, BESIDE).map(str::to_string),
     };
     let mut page = text(&header, &rows);
-    let others = [raystones::TITLE, TRIED].map(|title| (title, section(&before, title)));
+    let others = KEPT.map(|title| (title, section(&before, title)));
     for (title, body) in [(BESIDE, beside.as_deref())].into_iter().chain(others) {
         if let Some(body) = body {
             page += &format!("\n{title}\n\n{}\n", body.trim());
@@ -193,6 +195,33 @@ fn text(header: &Header, rows: &[Row]) -> String {
     page
 }
 
+/// Writes a section of the record that another chore measures.
+pub(crate) fn put(title: &str, body: &str) -> Result<()> {
+    let path = shell::root().join(RECORD);
+    let page = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
+    std::fs::write(&path, with_section(&page, title, body)?).with_context(|| path.display().to_string())
+}
+
+/// The page with one of its [`KEPT`] sections replaced, or put in its place.
+fn with_section(page: &str, title: &str, body: &str) -> Result<String> {
+    let place = KEPT.iter().position(|kept| *kept == title);
+    let (before, after) = KEPT.split_at(place.context("no section of the record")?);
+    let begins = |title: &&str| page.find(&format!("\n{title}\n"));
+    // Up to the section itself, or to the first of those that come after it; from there on.
+    let next = after[1..].iter().find_map(begins).unwrap_or(page.len());
+    let until = begins(&title).unwrap_or(next);
+    ensure!(
+        before.iter().filter_map(begins).all(|begin| begin < until),
+        "the record's sections are not in their order"
+    );
+    let rest = page[next..].trim();
+    let mut page = format!("{}\n\n{title}\n\n{}\n", page[..until].trim_end(), body.trim());
+    if !rest.is_empty() {
+        page += &format!("\n{rest}\n");
+    }
+    Ok(page)
+}
+
 /// What stands under a title, up to the next one.
 fn section<'a>(page: &'a str, title: &str) -> Option<&'a str> {
     let (_, rest) = page.split_once(&format!("{title}\n"))?;
@@ -209,5 +238,27 @@ mod tests {
         assert_eq!(section(page, BESIDE).map(str::trim), Some("some"));
         assert_eq!(section(page, TRIED).map(str::trim), Some("more"));
         assert_eq!(section(page, "## Other"), None);
+    }
+
+    #[test]
+    fn a_section_is_put_in_and_replaced() {
+        let page = "# Page\n\nsome\n\n## Tried\n\nmore\n";
+        let once = with_section(page, raystones::TITLE, "first\n").unwrap();
+        assert_eq!(
+            once,
+            "# Page\n\nsome\n\n## Raystones\n\nfirst\n\n## Tried\n\nmore\n"
+        );
+        let twice = with_section(&once, profile::TITLE, "second").unwrap();
+        assert_eq!(
+            twice,
+            once.replace(
+                "\n## Tried",
+                &format!("\n{}\n\nsecond\n\n## Tried", profile::TITLE)
+            )
+        );
+        assert_eq!(with_section(&twice, raystones::TITLE, "first").unwrap(), twice);
+        let third = with_section(&twice, profile::TITLE, "third").unwrap();
+        assert_eq!(third, twice.replace("second", "third"));
+        assert!(with_section("## Tried\n", "## Other", "").is_err());
     }
 }

@@ -4,8 +4,8 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, layers, no_float, raystones, sampling, setup,
-    shell,
+    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, layers, no_float, profile, raystones,
+    sampling, setup, shell,
 };
 
 /// The chores of microlux.
@@ -47,6 +47,10 @@ enum Chore {
     ///
     /// Prints the table and writes it into docs/performance.md.
     Raystones(raystones::Options),
+    /// Count what each stage of the boards' pictures takes on emulated cores, beside a lower bound
+    ///
+    /// Prints the tables and writes them into docs/performance.md.
+    Profile(profile::Options),
     /// Measure what bidirectional path tracing is worth and write docs/transport.md
     BenchBdpt(bench_bdpt::Options),
     /// Measure what the samplers are worth and write docs/sampling.md
@@ -80,6 +84,7 @@ impl Xtask {
             Chore::BenchDevice(options) => device::bench(&options),
             Chore::BenchHost(options) => bench_host::run(&options),
             Chore::Raystones(options) => raystones::run(&options),
+            Chore::Profile(options) => profile::run(&options),
             Chore::BenchBdpt(options) => bench_bdpt::run(&options),
             Chore::Sampling(options) => sampling::run(&options),
             Chore::Golden(options) => golden::run(&options),

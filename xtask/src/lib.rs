@@ -16,6 +16,7 @@ pub mod golden;
 pub mod layers;
 pub mod no_float;
 pub mod picture;
+pub mod profile;
 pub mod raystones;
 pub mod sampling;
 pub mod setup;

@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result};
 use clap::Args;
 use serde_json::Value;
 
 use crate::accuracy::Header;
-use crate::bench_host::{RECORD, TRIED};
 use crate::setup::Part;
-use crate::{device, shell};
+use crate::{bench_host, device, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -63,9 +62,7 @@ pub fn run(options: &Options) -> Result<()> {
     let rows = rows.as_array().context("no rows")?;
     let section = text(&Header::now(0)?, rows)?;
     println!("{section}");
-    let path = shell::root().join(RECORD);
-    let page = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    std::fs::write(&path, with_section(&page, &section)?).with_context(|| path.display().to_string())
+    bench_host::put(TITLE, &section)
 }
 
 fn text(header: &Header, rows: &[Value]) -> Result<String> {
@@ -124,44 +121,10 @@ fn line(row: &Value) -> Result<String> {
     ))
 }
 
-/// The page with its section replaced, or put before what is written by hand.
-fn with_section(page: &str, section: &str) -> Result<String> {
-    let end = format!("\n{TRIED}\n");
-    let (mut before, after) = page.split_once(&end).context("no section of what was tried")?;
-    if let Some((head, old)) = before.split_once(&format!("\n{TITLE}\n")) {
-        ensure!(
-            !old.contains("\n## "),
-            "{TITLE} is not the last section before {TRIED}"
-        );
-        before = head;
-    }
-    Ok(format!(
-        "{}\n\n{TITLE}\n\n{}\n{end}{after}",
-        before.trim_end(),
-        section.trim()
-    ))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use serde_json::json;
-
-    #[test]
-    fn a_section_is_put_in_and_replaced() {
-        let page = "# Page\n\nsome\n\n## Tried\n\nmore\n";
-        let once = with_section(page, "first\n").unwrap();
-        assert_eq!(
-            once,
-            "# Page\n\nsome\n\n## Raystones\n\nfirst\n\n## Tried\n\nmore\n"
-        );
-        assert_eq!(with_section(&once, "first").unwrap(), once);
-        assert!(
-            with_section(&once, "second")
-                .unwrap()
-                .contains("\nsecond\n\n## Tried")
-        );
-    }
 
     #[test]
     fn a_line_is_by_the_pixel() {

@@ -6,6 +6,7 @@ pub mod identity;
 pub mod machine;
 pub mod pico;
 mod process;
+pub mod profile;
 pub mod raystones;
 mod segments;
 pub mod size;

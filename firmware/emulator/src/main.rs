@@ -1,4 +1,4 @@
-//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator raystones`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator profile`, `emulator raystones`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -8,7 +8,7 @@ use emulator::{
     bench, count, identity,
     machine::Machine,
     pico::{self, Screen},
-    raystones, size,
+    profile, raystones, size,
 };
 use firmware_common::{
     stage::NAMES,
@@ -60,6 +60,12 @@ enum Command {
     /// Counts what the example `raystones` takes on each core; fails unless all draw the same
     Raystones {
         /// File for the rows: core, scene, instructions, m0plus_cycles, pixels, crc, helpers
+        #[arg(long)]
+        json: PathBuf,
+    },
+    /// Counts what each stage of the boards' pictures takes on four cores
+    Profile {
+        /// File for the rows: core, scene, pixels, rays, crc, stages, helpers, work
         #[arg(long)]
         json: PathBuf,
     },
@@ -160,6 +166,7 @@ fn execute(command: Command) -> Result<()> {
             record: record.as_deref(),
         }),
         Command::Raystones { json } => raystones::run(&json),
+        Command::Profile { json } => profile::run(&json),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

@@ -62,7 +62,7 @@ fn helpers(elf: &[u8]) -> Result<Vec<String>> {
     Ok(names.into_iter().filter(|name| is_helper(name)).collect())
 }
 
-fn is_helper(name: &str) -> bool {
+pub(crate) fn is_helper(name: &str) -> bool {
     let by_bits = ["di3", "ti3", "si3", "si4", "di4", "df3", "sf3", "di2", "si2"];
     let arithmetic = name.starts_with("__") && by_bits.iter().any(|end| name.ends_with(end));
     arithmetic || name.starts_with("__aeabi_") || ["memcpy", "memset", "memmove", "memcmp"].contains(&name)

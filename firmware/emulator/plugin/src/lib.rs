@@ -1,16 +1,19 @@
 //! Counts what a QEMU machine executes: instructions, Cortex-M0+ cycles, marked regions, and each address.
 //!
-//! `-plugin libqemu_count.so,report=FILE[,histogram=FILE][,begin=ADDRESS:BYTES,end=ADDRESS:BYTES,regions=ADDRESS:BYTES]`
+//! `-plugin libqemu_count.so,report=FILE[,histogram=FILE][,stages=FILE][,begin=ADDRESS:BYTES,end=ADDRESS:BYTES,regions=ADDRESS:BYTES]`
 //!
 //! `begin` and `end` are the two marker functions of the firmware, `regions` the array that they store to: the place
 //! of the stored byte is the number of the region. The report has a line `total INSTRUCTIONS CYCLES` and for each
 //! region `region NUMBER ENTRIES INSTRUCTIONS CYCLES`, which includes the markers' own cost, the same at every entry.
 //! The histogram is a CSV, a line for each address executed. Two runs of one program give the same files.
 //!
+//! With `stages` ([`stages`]) the report also says what each stage of a region took, and how often each block was begun.
+//!
 //! The cycles mean something on a Cortex-M0 alone: see [`cycles`]. One virtual CPU is assumed.
 
 mod api;
 mod cycles;
+mod stages;
 
 use std::{
     collections::BTreeMap,
@@ -72,6 +75,8 @@ struct Run {
     ends_in_conditional_branch: bool,
     instructions: u64,
     cycles: u64,
+    /// What of it belongs to which stage, if there are stages.
+    stages: stages::Block,
 }
 
 /// An executed address.
@@ -86,6 +91,7 @@ struct Settings {
     is_arm: bool,
     report: String,
     histogram: Option<String>,
+    stages: Option<stages::Table>,
     begin: Range<u64>,
     end: Range<u64>,
     regions: Range<u64>,
@@ -117,6 +123,9 @@ extern "C" fn on_block(_cpu: c_uint, data: *mut c_void) {
     );
     let taken = expected != 0 && expected != run.start;
     TOTAL.add(run.instructions, run.cycles + u64::from(taken));
+    if SETTINGS.get().is_some_and(|settings| settings.stages.is_some()) {
+        stages::on_block(run.start, run.end, &run.stages, taken);
+    }
 }
 
 /// The region whose byte lies at `address`, if that is one.
@@ -132,6 +141,8 @@ extern "C" fn on_begin(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_v
     if let Some(region) = region_at(address) {
         region.entries.fetch_add(1, Relaxed);
         *region.opened.lock().unwrap() = Some(TOTAL.get());
+        let regions = SETTINGS.get().map_or(0, |settings| settings.regions.start);
+        stages::open((address - regions) as usize);
     }
 }
 
@@ -139,6 +150,7 @@ extern "C" fn on_end(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_voi
     let Some(region) = region_at(address) else {
         return;
     };
+    stages::close();
     let (instructions, cycles) = TOTAL.get();
     if let Some(opened) = region.opened.lock().unwrap().take() {
         region.spent.add(instructions - opened.0, cycles - opened.1);
@@ -154,6 +166,7 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
         ends_in_conditional_branch: false,
         instructions: 0,
         cycles: 0,
+        stages: stages::Block::default(),
     };
     // SAFETY: QEMU lends the block for this call, and every index is below the number it gives.
     for index in 0..unsafe { api::qemu_plugin_tb_n_insns(block) } {
@@ -169,6 +182,10 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
         run.ends_in_conditional_branch = cycles::is_conditional_branch(opcode, bytes);
         run.instructions += 1;
         run.cycles += cycles;
+        if let Some(table) = &settings.stages {
+            run.stages.push(table.stage(address), cycles);
+            run.stages.is_call = stages::is_call(opcode, bytes, settings.is_arm);
+        }
 
         for (marker, callback) in [
             (&settings.begin, on_begin as api::OnMemory),
@@ -250,6 +267,7 @@ extern "C" fn on_exit(_id: Id, _data: *mut c_void) {
             let _ = writeln!(report, "region {number} {entries} {instructions} {cycles}");
         }
     }
+    stages::report(&mut report);
     write(&settings.report, &report);
 
     if let Some(file) = &settings.histogram {
@@ -289,6 +307,7 @@ fn settings(target: &[u8], arguments: &[String]) -> Option<Settings> {
         is_arm: target == b"arm",
         report: String::new(),
         histogram: None,
+        stages: None,
         begin: 0..0,
         end: 0..0,
         regions: 0..0,
@@ -297,6 +316,7 @@ fn settings(target: &[u8], arguments: &[String]) -> Option<Settings> {
         match argument.split_once('=')? {
             ("report", file) => settings.report = file.to_owned(),
             ("histogram", file) => settings.histogram = Some(file.to_owned()),
+            ("stages", file) => settings.stages = Some(stages::Table::read(file)?),
             ("begin", marker) => settings.begin = range(marker)?,
             ("end", marker) => settings.end = range(marker)?,
             ("regions", array) => settings.regions = range(array)?,

@@ -1,0 +1,328 @@
+//! Where the instructions of a picture go: what each stage takes, on each core of QEMU's.
+//!
+//! Every address of the program gets a stage by the source files of the functions that were inlined there, the innermost
+//! first that belongs to a stage. Arithmetic belongs to none: it counts for who asked for it, inlined or called.
+
+use std::{collections::BTreeMap, fmt::Write as _, fs, ops::Range, path::Path};
+
+use addr2line::Loader;
+use anyhow::{Context, Result, anyhow, ensure};
+use firmware_common::stage::NAMES;
+use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
+use serde_json::{Value, json};
+use xtask::board::Board;
+
+use crate::{
+    count,
+    machine::{MICROBIT, Machine},
+    raystones, symbols,
+    toolchain::{self, Build},
+};
+
+/// Stages, and the sources that each is in. Stage 0 is what has none: the caller's.
+const STAGES: [(&str, &[&str]); 10] = [
+    ("camera", &["src/camera.rs"]),
+    ("sampling", &["src/sampler/"]),
+    (
+        "traversal",
+        &[
+            "src/bvh/",
+            "src/shape/grid.rs",
+            "src/shape/sight.rs",
+            "src/scene/query.rs",
+        ],
+    ),
+    ("unpacking", &["src/shape/packed.rs"]),
+    ("surface", &["src/scene/", "src/shape/triangles.rs"]),
+    ("intersection", &["src/shape/"]),
+    ("lights", &["src/light/"]),
+    ("materials", &["src/material/"]),
+    ("integrator", &["src/integrator/"]),
+    ("film, display", &["src/render.rs", "src/film/", "firmware/"]),
+];
+
+/// Functions that are about something else than their file: where a ray goes on from, a leaf's corners.
+const APART: [(&str, usize); 4] = [
+    ("::surface", SURFACE),
+    ("::leave", SURFACE),
+    ("::onto_plane", SURFACE),
+    ("::Leaf", UNPACKING),
+];
+const UNPACKING: usize = 4;
+const SURFACE: usize = 5;
+
+/// Sources that serve several stages.
+const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color.rs", "src/sampler/warp.rs"];
+
+const CORES: [Machine; 4] = [
+    MICROBIT,
+    Machine::Emulated(Board::Mps2An385),
+    Machine::Emulated(Board::Mps2An386),
+    Machine::Emulated(Board::Virt),
+];
+
+/// Functions whose calls say how much there was to do.
+const WORK: [(&str, &str); 5] = [
+    ("set-ups", "shape::grid::GridRay::enter"),
+    ("nodes", "bvh::traverse::along"),
+    ("shapes", "shape::Geometry::intersect"),
+    ("triangles", "shape::packed::Strip::advance"),
+    ("hits", "shape::triangle::meet"),
+];
+
+/// Profiles each core and writes the rows.
+pub fn run(file: &Path) -> Result<()> {
+    let plugin = count::plugin()?;
+    let mut rows = Vec::new();
+    for machine in CORES {
+        eprintln!("profile, {}", machine.core());
+        rows.extend(profile(machine, &plugin)?);
+    }
+    fs::write(file, format!("{:#}\n", Value::from(rows))).with_context(|| file.display().to_string())
+}
+
+fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
+    let build = Build {
+        package: "qemu",
+        features: &[],
+        environment: &[("MACHINE", machine.name())],
+        name: &format!("profile-{}", machine.name()),
+    };
+    let program = toolchain::build(&build, machine.target(), "profile")?;
+    let elf = fs::read(&program)?;
+    let elf = object::File::parse(&*elf)?;
+    let table = toolchain::work_folder()?.join(format!("{}.stages", machine.name()));
+    fs::write(&table, stages(&program, &elf)?)?;
+    let report = table.with_extension("report");
+    let argument = format!(
+        "{},report={},stages={},{}",
+        plugin.display(),
+        report.display(),
+        table.display(),
+        symbols::markers(&program)?
+    );
+    let printed = machine.run_in_qemu(&program, &["-plugin".to_owned(), argument])?;
+    let report = Report::parse(&fs::read_to_string(&report)?)?;
+    let functions = functions(&elf);
+    let scenes = (0..).zip(NAMES);
+    scenes
+        .map(|(region, scene)| {
+            let drawn = drawn(&printed, scene)?;
+            report.row(machine, region, scene, drawn, &functions)
+        })
+        .collect()
+}
+
+/// Pixels, rays and the CRC-32 of the line that the program prints of a scene.
+fn drawn(printed: &str, scene: &str) -> Result<[u64; 3]> {
+    let line = printed
+        .lines()
+        .find_map(|line| line.strip_prefix("profile ")?.strip_prefix(scene));
+    let line = line.with_context(|| format!("no line of {scene}"))?;
+    let word = |name: &str| {
+        let word = line.split(' ').find_map(|word| word.strip_prefix(name));
+        word.with_context(|| format!("{line:?} has no {name}"))
+    };
+    Ok([
+        word("pixels=")?.parse()?,
+        word("rays=")?.parse()?,
+        u64::from_str_radix(word("crc32=")?, 16)?,
+    ])
+}
+
+/// The plugin's table: the stage of each piece of code.
+fn stages(program: &Path, elf: &object::File) -> Result<String> {
+    let loader = Loader::new(program).map_err(|error| anyhow!("{}: {error}", program.display()))?;
+    let mut text = String::new();
+    let mut open: Option<(Range<u64>, usize)> = None;
+    let code = elf
+        .sections()
+        .filter(|section| section.kind() == SectionKind::Text);
+    for address in code.flat_map(|section| (section.address()..section.address() + section.size()).step_by(2))
+    {
+        let stage = stage_at(&loader, address)?;
+        match &mut open {
+            Some((range, last)) if *last == stage && range.end == address => range.end = address + 2,
+            _ => {
+                line(&mut text, open.replace((address..address + 2, stage)))?;
+            }
+        }
+    }
+    line(&mut text, open)?;
+    Ok(text)
+}
+
+fn line(text: &mut String, range: Option<(Range<u64>, usize)>) -> Result<()> {
+    match range {
+        Some((range, stage)) if stage > 0 => Ok(writeln!(text, "{:x} {:x} {stage}", range.start, range.end)?),
+        _ => Ok(()),
+    }
+}
+
+fn stage_at(loader: &Loader, address: u64) -> Result<usize> {
+    let fault = |error| anyhow!("{address:#x}: {error}");
+    let mut frames = loader.find_frames(address).map_err(fault)?;
+    while let Some(frame) = frames.next().map_err(|error| anyhow!("{address:#x}: {error}"))? {
+        let file = frame.location.and_then(|location| location.file);
+        if let Some(stage) = file.and_then(stage_of) {
+            let name = frame
+                .function
+                .as_ref()
+                .and_then(|function| function.demangle().ok());
+            return Ok(name.and_then(|name| stage_of_function(&name)).unwrap_or(stage));
+        }
+    }
+    Ok(0)
+}
+
+/// The stage of a source file of this repository.
+fn stage_of(file: &str) -> Option<usize> {
+    let is_ours = !file.contains("/.cargo/") && !file.contains("/rustc/") && !file.contains("/rustlib/");
+    if !is_ours || SERVING.iter().any(|serving| file.contains(serving)) {
+        return None;
+    }
+    let place = |(_, sources): &(&str, &[&str])| sources.iter().any(|source| file.contains(source));
+    STAGES.iter().position(place).map(|place| place + 1)
+}
+
+fn stage_of_function(name: &str) -> Option<usize> {
+    let apart = APART.iter().find(|(part, _)| name.contains(part));
+    apart.map(|&(_, stage)| stage)
+}
+
+/// Names of functions by their first address.
+fn functions(elf: &object::File) -> BTreeMap<u64, String> {
+    let is_arm = elf.architecture() == object::Architecture::Arm;
+    let symbols = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text);
+    symbols
+        .filter_map(|symbol| {
+            let address = if is_arm {
+                symbol.address() & !1
+            } else {
+                symbol.address()
+            };
+            let name = rustc_demangle::demangle(symbol.name().ok()?);
+            Some((address, format!("{name:#}").replace(['<', '>'], "")))
+        })
+        .collect()
+}
+
+/// What the plugin says of regions: by stage, and how often blocks began.
+#[derive(Default)]
+struct Report {
+    stages: BTreeMap<(u64, u64), (u64, u64)>,
+    blocks: BTreeMap<(u64, u64), u64>,
+}
+
+impl Report {
+    fn parse(text: &str) -> Result<Report> {
+        let mut report = Report::default();
+        for line in text.lines() {
+            let mut words = line.split(' ');
+            let kind = words.next();
+            let numbers = words.map(str::parse).collect::<Result<Vec<u64>, _>>()?;
+            match (kind, &*numbers) {
+                (Some("stage"), &[region, stage, instructions, cycles]) => {
+                    report.stages.insert((region, stage), (instructions, cycles));
+                }
+                (Some("block"), &[region, address, count]) => {
+                    report.blocks.insert((region, address), count);
+                }
+                _ => {}
+            }
+        }
+        ensure!(!report.stages.is_empty(), "no stages in the plugin's report");
+        Ok(report)
+    }
+
+    fn row(
+        &self,
+        machine: Machine,
+        region: u64,
+        scene: &str,
+        [pixels, rays, crc]: [u64; 3],
+        functions: &BTreeMap<u64, String>,
+    ) -> Result<Value> {
+        let of_region = |stage: usize| {
+            self.stages
+                .get(&(region, stage as u64))
+                .copied()
+                .unwrap_or_default()
+        };
+        let has_cycles = machine.is_armv6m();
+        let stage = |name: &str, (instructions, cycles): (u64, u64)| json!({ "stage": name, "instructions": instructions, "m0plus_cycles": has_cycles.then_some(cycles) });
+        let names = STAGES.iter().map(|(name, _)| *name).chain(["none"]);
+        let numbers = (1..=STAGES.len()).chain([0]);
+        let stages: Vec<_> = numbers
+            .zip(names)
+            .map(|(number, name)| stage(name, of_region(number)))
+            .collect();
+        let calls = |wanted: &dyn Fn(&str) -> bool| -> BTreeMap<&str, u64> {
+            let mut calls = BTreeMap::new();
+            for ((_, address), count) in self.blocks.range((region, 0)..(region + 1, 0)) {
+                if let Some(name) = functions.get(address).filter(|name| wanted(name)) {
+                    *calls.entry(name.as_str()).or_default() += count;
+                }
+            }
+            calls
+        };
+        let work: BTreeMap<_, u64> = WORK
+            .iter()
+            .map(|(what, function)| (*what, calls(&|name| name.contains(function)).values().sum()))
+            .collect();
+        ensure!(pixels > 0, "{scene}: no pixels");
+        Ok(json!({
+            "core": machine.core(),
+            "scene": scene,
+            "pixels": pixels,
+            "rays": rays,
+            "crc": crc,
+            "stages": stages,
+            "helpers": calls(&|name| raystones::is_helper(name)),
+            "work": if has_cycles { json!(work) } else { Value::Null },
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sources_have_stages() {
+        assert_eq!(
+            (STAGES[SURFACE - 1].0, STAGES[UNPACKING - 1].0),
+            ("surface", "unpacking")
+        );
+        let leaf = "<microlux::shape::triangles::Leaf>::open";
+        assert_eq!(
+            [stage_of_function(leaf), stage_of_function("main")],
+            [Some(UNPACKING), None]
+        );
+        let name = |file| stage_of(file).map(|stage| STAGES[stage - 1].0);
+        for (file, stage) in [
+            ("/somewhere/src/camera.rs", Some("camera")),
+            ("/somewhere/src/sampler/pcg.rs", Some("sampling")),
+            ("/somewhere/src/sampler/warp.rs", None),
+            ("/somewhere/src/shape/grid.rs", Some("traversal")),
+            ("/somewhere/src/shape/planar.rs", Some("intersection")),
+            ("/somewhere/src/scene/mod.rs", Some("surface")),
+            ("/somewhere/src/num/recip.rs", None),
+            ("/home/.cargo/registry/src/heapless/src/render.rs", None),
+            ("/rustc/1/library/core/src/film/mod.rs", None),
+        ] {
+            assert_eq!(name(file), stage, "{file}");
+        }
+    }
+
+    #[test]
+    fn a_report_is_read() {
+        let report = Report::parse("total 5 6\nstage 0 3 10 12\nblock 0 64 7\n").unwrap();
+        assert_eq!(report.stages[&(0, 3)], (10, 12));
+        let functions = BTreeMap::from([(64, "memcpy".to_owned())]);
+        let row = report.row(MICROBIT, 0, "cornell", [1, 2, 3], &functions).unwrap();
+        assert_eq!(row["helpers"]["memcpy"], 7);
+        assert_eq!(row["stages"][2]["m0plus_cycles"], 12);
+        assert!(Report::parse("total 5 6\n").is_err());
+    }
+}

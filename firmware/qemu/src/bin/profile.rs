@@ -1,0 +1,100 @@
+//! Draws the boards' two scenes as a Pico does, one core, one sample a pixel: regions 0 and 1. Prints
+//! `profile SCENE pixels=N rays=N crc32=89abcdef` for each.
+
+#![no_std]
+#![no_main]
+
+#[path = "../console.rs"]
+mod console;
+
+use core::panic::PanicInfo;
+
+#[cfg(target_arch = "arm")]
+use cortex_m_rt::entry;
+use firmware_common::{
+    mesh, region,
+    stage::{Cornell, NAMES, Pedestal, Stage},
+    tile::{PASSES, PIXELS, Painter, SQUARE},
+};
+use microlux::num::Crc;
+#[cfg(target_arch = "riscv32")]
+use riscv_rt::entry;
+use semihosting::process;
+
+/// The only scene to draw, if the build names one.
+const ONLY: &str = match option_env!("MICROLUX_ONLY") {
+    Some(name) => name,
+    None => "",
+};
+
+#[entry]
+fn main() -> ! {
+    region::count(region::EMPTY, || ());
+    let draws: [(&str, fn()); 2] = [(NAMES[0], cornell), (NAMES[1], knot)];
+    for (name, draw) in draws {
+        if ONLY.is_empty() || ONLY == name {
+            draw();
+        }
+    }
+    process::exit(0)
+}
+
+#[inline(never)]
+fn cornell() {
+    let Ok(mut cornell) = Cornell::new() else { refuse() };
+    let Ok((scene, camera)) = cornell.scene() else {
+        refuse()
+    };
+    let stage = Stage {
+        scene: &scene,
+        camera,
+    };
+    draw(0, &stage);
+}
+
+#[inline(never)]
+fn knot() {
+    let Some(Ok(mut pedestal)) = mesh::mesh().ok().map(Pedestal::new) else {
+        refuse()
+    };
+    let Ok((scene, camera)) = pedestal.scene() else {
+        refuse()
+    };
+    let stage = Stage {
+        scene: &scene,
+        camera,
+    };
+    draw(1, &stage);
+}
+
+/// Tile by tile; what is counted is what becomes of one.
+#[inline(never)]
+fn draw(id: u32, stage: &Stage) {
+    let mut painter = Painter::new(stage, SQUARE, PASSES[1]);
+    let mut pixels = [0; PIXELS];
+    let mut crc = Crc::new();
+    for index in 0..SQUARE.tiles() {
+        region::count(id, || painter.render(index, &mut pixels));
+        for pixel in pixels {
+            crc.bytes(&pixel.to_le_bytes());
+        }
+    }
+    console::print(&["profile ", NAMES[id as usize], " pixels="]);
+    console::decimal(SQUARE.width() * SQUARE.height());
+    console::print(&[" rays="]);
+    console::decimal(painter.rays());
+    console::print(&[" crc32="]);
+    console::hexadecimal(crc.value());
+    console::print(&["\n"]);
+}
+
+fn refuse() -> ! {
+    console::print(&[env!("MACHINE"), ": the scene is refused\n"]);
+    process::exit(1)
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    console::print(&[env!("MACHINE"), ": panic\n"]);
+    process::exit(1)
+}
