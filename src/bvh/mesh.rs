@@ -124,8 +124,8 @@ impl Visitor for Nearest<'_> {
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let mut number = self.mesh.first(base, leaf);
         let mut triangles = Leaf::open(self.mesh, base, leaf);
-        while let Some(corners) = triangles.next() {
-            if let Some(hit) = intersect::<K>(ray, corners)
+        while let Some(corners) = triangles.next::<K>(ray) {
+            if let Some(hit) = intersect(ray, corners)
                 && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle))
             {
                 (self.hit, self.triangle) = (hit, number);
@@ -156,8 +156,8 @@ impl Visitor for Any<'_> {
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let mut triangles = Leaf::open(self.mesh, base, leaf);
-        while let Some(corners) = triangles.next() {
-            let met = intersect::<K>(ray, corners);
+        while let Some(corners) = triangles.next::<K>(ray) {
+            let met = intersect(ray, corners);
             if met.is_some_and(|hit| ray.distance(hit.depth) < self.t_max) {
                 self.found = true;
                 return ControlFlow::Break(());

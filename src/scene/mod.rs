@@ -540,9 +540,10 @@ impl<'a> Scene<'a> {
                 texture.and_then(|texture| Some(texture.at(mesh.uv(&hit)?)))
             }
         };
+        let (point, normal) = mesh.place(&hit)?;
         Some(Surface {
-            point: mesh.point(&hit)?,
-            normal: mesh.normal(hit.triangle)?,
+            point,
+            normal,
             lift: mesh.offset(),
         })
     }

@@ -317,7 +317,11 @@ impl GridRay {
             shift,
             cosine: slopes.cosine,
             inverse: slopes.inverse,
-            start: mul_shift(ahead, slopes.inverse, 30),
+            start: if inside {
+                short_product(ahead, slopes.inverse)
+            } else {
+                mul_shift(ahead, slopes.inverse, 30)
+            },
         })
     }
 
@@ -359,6 +363,12 @@ impl GridRay {
     }
 }
 
+/// ⌊short · by / 2^30⌋ for |short| under 2^15, in two products of 32 bits.
+#[inline]
+fn short_product(short: i32, by: i32) -> i32 {
+    (short * (by >> 16) + ((short * (by & 0xffff)) >> 16)) >> 14
+}
+
 /// (x, y, z) in the order (k+1, k+2, k).
 #[inline]
 fn rotate(k: u8, [x, y, z]: [i32; 3]) -> [i32; 3] {
@@ -395,6 +405,20 @@ mod tests {
             }
         }
         assert_eq!(Rise::new(0).steps(0), None);
+    }
+
+    #[test]
+    fn short_products_are_products() {
+        let mut s = 11u32;
+        for _ in 0..100_000 {
+            s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+            let (short, by) = ((s as i32) >> 16, (s ^ (s >> 15)) as i32 & i32::MAX);
+            assert_eq!(short_product(short, by), mul_shift(short, by, 30), "{short} {by}");
+        }
+        assert_eq!(
+            short_product(-1 << 15, i32::MAX),
+            mul_shift(-1 << 15, i32::MAX, 30)
+        );
     }
 
     #[test]

@@ -128,10 +128,40 @@ impl<'a> PackedMesh<'a> {
     pub const TAIL: usize = 2;
 
     /// A vertex of a treelet, grid coordinates.
+    ///
+    /// Its 48 bits at most lie in seven bytes, whatever bit they begin at.
     #[inline(always)]
     fn vertex(&self, treelet: &Treelet, index: u8) -> Option<[u16; 3]> {
+        let [x, y, z] = treelet.widths();
+        let bit = index as u32 * (x + y + z);
+        let at = treelet.start() + (bit >> 3) as usize;
+        let Some(&[a, b, c, d, e, f, g]) = self
+            .vertices
+            .get(at..at + 7)
+            .and_then(|bytes| bytes.first_chunk())
+        else {
+            return self.vertex_apart(treelet, bit);
+        };
+        let (low, high) = (u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, 0]));
+        // 32 bits from one on, of 64; a shift by 32 is two.
+        let from = |low: u32, high: u32, bit: u32| low >> bit | (high << 1) << (31 - bit);
+        let skip = bit & 7;
+        let far = from(low, high, skip);
+        let rest = from(far, high >> skip, x);
+        let part = |far: u32, width: u32| (far & ((1 << width) - 1)) as u16;
+        let [p, q, r] = treelet.base;
+        Some([
+            p.wrapping_add(part(far, x)),
+            q.wrapping_add(part(rest, y)),
+            r.wrapping_add(part(rest >> y, z)),
+        ])
+    }
+
+    /// The same, each coordinate by itself: among the last bytes of all.
+    #[cold]
+    #[inline(never)]
+    fn vertex_apart(&self, treelet: &Treelet, mut bit: u32) -> Option<[u16; 3]> {
         let widths = treelet.widths();
-        let mut bit = index as u32 * (widths[0] + widths[1] + widths[2]);
         let mut vertex = treelet.base;
         for (coordinate, width) in vertex.iter_mut().zip(widths) {
             let at = treelet.start() + (bit >> 3) as usize;
@@ -144,7 +174,9 @@ impl<'a> PackedMesh<'a> {
     }
 
     /// The leaf at a place of a block, before its first triangle.
-    pub(crate) fn leaf(&self, block: u32, place: u32) -> Option<Strip<'a>> {
+    ///
+    /// `none` stands for corners that there are not yet.
+    pub(crate) fn leaf<T: Copy>(&self, block: u32, place: u32, none: T) -> Option<Strip<'a, T>> {
         let &[low, high] = self.leaves.get(block as usize..)?.first_chunk()?;
         let treelet = self
             .treelets
@@ -158,17 +190,22 @@ impl<'a> PackedMesh<'a> {
             treelet,
             rest: self.leaves.get(at + 1..)?,
             codes: u32::from(head | 3),
-            corners: [[0; 3]; 3],
+            corners: [none; 3],
         })
     }
 
     /// The corners of the triangle with a number, grid coordinates.
     pub(crate) fn corners(&self, triangle: u32) -> Option<[[u16; 3]; 3]> {
-        let mut strip = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
+        // In words, which are copied quicker than half words are.
+        let mut strip = self.leaf(triangle >> 4, triangle >> 2 & 3, [0; 2])?;
         for _ in 0..=(triangle & 3) {
-            strip.advance(self)?;
+            strip.advance(self, |&[x, y, z]| [u32::from(x) | u32::from(y) << 16, z.into()])?;
         }
-        Some(strip.corners)
+        Some(
+            strip
+                .corners
+                .map(|[xy, z]| [xy as u16, (xy >> 16) as u16, z as u16]),
+        )
     }
 
     /// The treelet of the triangle with a number, and its corners' indices in it.
@@ -178,7 +215,7 @@ impl<'a> PackedMesh<'a> {
             mut rest,
             mut codes,
             ..
-        } = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
+        } = self.leaf(triangle >> 4, triangle >> 2 & 3, ())?;
         let mut next = || {
             let (&index, after) = rest.split_first()?;
             rest = after;
@@ -256,35 +293,39 @@ fn length(head: u8) -> usize {
 }
 
 /// The triangles of a leaf, one after the other.
-pub(crate) struct Strip<'a> {
+pub(crate) struct Strip<'a, T> {
     treelet: &'a Treelet,
     rest: &'a [u8],
     /// Those to come, the next in the lowest bits.
     codes: u32,
     /// Of the triangle at hand.
-    pub corners: [[u16; 3]; 3],
+    pub corners: [T; 3],
 }
 
-impl Strip<'_> {
-    /// On to the next triangle.
+impl<T: Copy> Strip<'_, T> {
+    /// On to the next triangle; `see` makes of a vertex what is kept of it.
     #[inline(never)]
-    pub fn advance(&mut self, mesh: &PackedMesh) -> Option<()> {
-        let [a, b, c] = self.corners;
-        let edge = match self.codes & 3 {
-            0 => [b, a],
-            1 => [c, b],
-            2 => [a, c],
-            _ => [self.next(mesh)?, self.next(mesh)?],
-        };
+    pub fn advance(&mut self, mesh: &PackedMesh, see: impl Fn(&[u16; 3]) -> T + Copy) -> Option<()> {
+        match self.codes & 3 {
+            0 => self.corners.swap(0, 1),
+            1 => self.corners[0] = self.corners[2],
+            2 => self.corners[1] = self.corners[2],
+            _ => {
+                self.corners[0] = self.next(mesh, see)?;
+                self.corners[1] = self.next(mesh, see)?;
+            }
+        }
         self.codes >>= 2;
-        self.corners = [edge[0], edge[1], self.next(mesh)?];
+        self.corners[2] = self.next(mesh, see)?;
         Some(())
     }
 
-    fn next(&mut self, mesh: &PackedMesh) -> Option<[u16; 3]> {
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline)]
+    fn next(&mut self, mesh: &PackedMesh, see: impl Fn(&[u16; 3]) -> T) -> Option<T> {
         let (&index, rest) = self.rest.split_first()?;
         self.rest = rest;
-        mesh.vertex(self.treelet, index)
+        Some(see(&mesh.vertex(self.treelet, index)?))
     }
 }
 
@@ -355,7 +396,7 @@ impl PackedMesh<'_> {
         if treelet.widths().iter().any(|&width| width > 16) || treelet.widths >> 15 != 0 {
             return Err(MeshError::Width { treelet: number });
         }
-        let mut strip = self.leaf(leaf.block, leaf.place).ok_or(fault)?;
+        let mut strip = self.leaf(leaf.block, leaf.place, [0; 3]).ok_or(fault)?;
         let bytes = length((strip.codes & !3) as u8 | (leaf.count - 1) as u8) - 1;
         let indices = strip.rest.get(..bytes).ok_or(fault)?;
         if indices.iter().any(|&index| index > treelet.last) {
@@ -365,7 +406,7 @@ impl PackedMesh<'_> {
         }
         for triangle in leaf.first()..leaf.first() + leaf.count {
             strip
-                .advance(self)
+                .advance(self, |vertex| *vertex)
                 .ok_or(MeshError::Vertices { treelet: number })?;
             let keeps = Grid::MARGIN..=u16::MAX - Grid::MARGIN;
             if !strip.corners.as_flattened().iter().all(|c| keeps.contains(c)) {
@@ -401,6 +442,40 @@ mod tests {
             Treelet::new([1, 2, 3], [4, 16, 6], 0x12345, 256).widths(),
             [4, 16, 6]
         );
+    }
+
+    /// At any bit, of any widths, seven bytes at once are what three times three are.
+    #[test]
+    fn a_vertex_is_read_at_once_or_apart() {
+        let mut s = 1u32;
+        let mut r = || {
+            s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+            s ^ (s >> 15)
+        };
+        for _ in 0..2000 {
+            let vertices = [(); 64].map(|()| r() as u8);
+            let widths = [(); 3].map(|()| r() % 17);
+            let treelets = [Treelet::new(
+                [r() as u16, r() as u16, r() as u16],
+                widths,
+                r() % 8,
+                8,
+            )];
+            let mesh = PackedMesh {
+                grid: Grid::UNIT,
+                bounds: Bounds::EMPTY,
+                layers: Layers::default(),
+                treelets: &treelets,
+                vertices: &vertices,
+                leaves: &[],
+            };
+            for index in 0..8u8 {
+                let bit = u32::from(index) * widths.iter().sum::<u32>();
+                let apart = mesh.vertex_apart(&treelets[0], bit);
+                assert!(apart.is_some());
+                assert_eq!(mesh.vertex(&treelets[0], index), apart, "{widths:?} {index}");
+            }
+        }
     }
 
     /// Two leaves in one block: a strip of three, then two triangles apart.

@@ -30,18 +30,42 @@ pub(crate) struct TriangleHit {
     pub b2: i32,
 }
 
+/// A vertex as a ray sees it: the same for all triangles that share it.
+#[derive(Clone, Copy)]
+pub(crate) struct Seen {
+    /// Steps aside; under 2^18 in magnitude.
+    at: [i32; 2],
+    /// Its coordinate along the dominant axis.
+    z: i32,
+}
+
+impl Seen {
+    /// None yet.
+    pub const NONE: Seen = Seen { at: [0; 2], z: 0 };
+
+    /// `K` is the ray's dominant axis.
+    #[inline(always)]
+    pub fn new<const K: usize>(ray: &GridRay, v: &[u16; 3]) -> Seen {
+        Seen {
+            at: [
+                ray.across::<K, 0>(v) >> SLOPE_BITS,
+                ray.across::<K, 1>(v) >> SLOPE_BITS,
+            ],
+            z: v[K] as i32,
+        }
+    }
+}
+
 /// The closed triangle against the ray ahead of its origin; a triangle the ray sees edge-on is missed.
-///
-/// `K` is the ray's dominant axis.
 #[inline(always)]
-pub(crate) fn intersect<const K: usize>(ray: &GridRay, [a, b, c]: [&[u16; 3]; 3]) -> Option<TriangleHit> {
-    let [ax, ay] = shear::<K>(ray, a);
-    let [bx, by] = shear::<K>(ray, b);
-    let [cx, cy] = shear::<K>(ray, c);
+pub(crate) fn intersect(ray: &GridRay, corners: &[Seen; 3]) -> Option<TriangleHit> {
+    let [a, b, c] = corners;
+    let ([ax, ay], [bx, by], [cx, cy]) = (a.at, b.at, c.at);
+    let z = [a.z, b.z, c.z];
     let size = |x: i32| x ^ (x >> 31);
     if size(ax) | size(ay) | size(bx) | size(by) | size(cx) | size(cy) >= 1 << 15 {
         let [u, v, w] = large_edges([[ax, ay], [bx, by], [cx, cy]])?;
-        return meet(ray, [u, v, w], [a[K], b[K], c[K]]);
+        return meet(ray, [u, v, w], z);
     }
     let u = cx * by - cy * bx;
     let w = bx * ay - by * ax;
@@ -52,26 +76,13 @@ pub(crate) fn intersect<const K: usize>(ray: &GridRay, [a, b, c]: [&[u16; 3]; 3]
     if opposite(u, v) || opposite(v, w) || (u | v | w) == 0 {
         return None;
     }
-    meet(
-        ray,
-        [u.unsigned_abs(), v.unsigned_abs(), w.unsigned_abs()],
-        [a[K], b[K], c[K]],
-    )
+    meet(ray, [u.unsigned_abs(), v.unsigned_abs(), w.unsigned_abs()], z)
 }
 
 /// One below and one above zero.
 #[inline(always)]
 fn opposite(a: i32, b: i32) -> bool {
     (a ^ b) < 0 && a != 0 && b != 0
-}
-
-/// Where the ray sees a vertex, steps; under 2^18 in magnitude.
-#[inline(always)]
-fn shear<const K: usize>(ray: &GridRay, v: &[u16; 3]) -> [i32; 2] {
-    [
-        ray.across::<K, 0>(v) >> SLOPE_BITS,
-        ray.across::<K, 1>(v) >> SLOPE_BITS,
-    ]
 }
 
 /// The edge functions' magnitudes, up to a common factor, of a triangle of which the ray sees more than 2^15 steps;
@@ -152,18 +163,18 @@ impl Edge {
 ///
 /// (It is: twice the area of a triangle in a square of side 2^16 − 1; or three numbers of at most 2^30.)
 #[inline(never)]
-fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [u16; 3]) -> Option<TriangleHit> {
+fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [i32; 3]) -> Option<TriangleHit> {
     // n = det·2^up is normalised and 1/n = mantissa/2^63, so v·2^up·mantissa/2^32 is the share, Q31.
     let r = recip(u + v + w);
     let up = 63 - r.shift;
     let share = |part: u32| ((mul_hi(part << up, r.mantissa) + (1 << 14)) >> 15) as i32;
     let b1 = share(v).min(1 << 16);
     let b2 = share(w).min((1 << 16) - b1);
-    let ahead = |z: u16| {
+    let ahead = |z: i32| {
         if ray.negative {
-            ray.plane - z as i32
+            ray.plane - z
         } else {
-            z as i32 - ray.plane
+            z - ray.plane
         }
     };
     let [za, zb, zc] = z.map(ahead);

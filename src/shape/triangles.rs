@@ -1,8 +1,8 @@
 use super::attributes::Layers;
-use super::grid::{Bounds, Grid};
+use super::grid::{Bounds, Grid, GridRay};
 use super::mesh::{MeshHit, TriangleMesh, corners};
 use super::packed::{PackedMesh, Strip};
-use super::triangle::Edge;
+use super::triangle::{Edge, Seen};
 use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
 use crate::num::{ONE_Q16, Wide, mul_q16};
@@ -106,8 +106,14 @@ impl<'a> Triangles<'a> {
     /// From the exact cross product, or its top 24 bits or more.
     #[inline]
     pub fn normal(&self, triangle: u32) -> Option<Dir> {
-        let (cross, _) = self.cross(triangle)?;
-        Some(cross.normalize()?.0)
+        Some(cross(self.corners(triangle)?).0.normalize()?.0)
+    }
+
+    /// [`Self::point`] and [`Self::normal`] of a hit, by one look at its triangle.
+    #[inline]
+    pub(crate) fn place(&self, hit: &MeshHit) -> Option<(Point, Dir)> {
+        let corners = self.corners(hit.triangle)?;
+        Some((self.between(corners, hit), cross(corners).0.normalize()?.0))
     }
 
     /// What its vertices say beside where they are.
@@ -198,7 +204,10 @@ impl<'a> Triangles<'a> {
             let norm: Norm = cross.normalize()?.1;
             Some(norm.square().sqrt().shl(shift + 2 * self.grid().shift() as i32))
         };
-        self.cross(triangle).and_then(area).unwrap_or(Wide::ZERO)
+        self.corners(triangle)
+            .map(cross)
+            .and_then(area)
+            .unwrap_or(Wide::ZERO)
     }
 
     /// Where the weights put a hit, scene units: each coordinate rounded to nearest, error ¾ unit at most.
@@ -206,15 +215,19 @@ impl<'a> Triangles<'a> {
     /// Weights that are rounded move the point within the triangle's plane, never off it.
     #[inline]
     pub fn point(&self, hit: &MeshHit) -> Option<Point> {
-        let [a, b, c] = self.corners(hit.triangle)?;
+        Some(self.between(self.corners(hit.triangle)?, hit))
+    }
+
+    #[inline]
+    fn between(&self, [a, b, c]: [[u16; 3]; 3], hit: &MeshHit) -> Point {
         let base = self.grid().to_scene(a).0;
         let shift = self.grid().shift() + 4;
-        Some(Point([0, 1, 2].map(|i| {
+        Point([0, 1, 2].map(|i| {
             // |b − a| < 2^16 and shift ≤ 12: under 2^28, four bits of it below the point.
             let b = mul_q16((b[i] as i32 - a[i] as i32) << shift, hit.b1);
             let c = mul_q16((c[i] as i32 - a[i] as i32) << shift, hit.b2);
             base[i] + ((b + c + 8) >> 4)
-        })))
+        }))
     }
 
     /// How far along the normal a ray that leaves this mesh must start, scene units: three steps.
@@ -229,20 +242,19 @@ impl<'a> Triangles<'a> {
     pub fn offset(&self) -> i32 {
         3 << self.grid().shift()
     }
+}
 
-    /// (b − a) × (c − a), steps², shifted right by the second number.
-    fn cross(&self, triangle: u32) -> Option<(Offset, i32)> {
-        let [a, b, c] = self.corners(triangle)?;
-        let edge = |to: [u16; 3]| [0, 1, 2].map(|i| to[i] as i32 - a[i] as i32);
-        let ([ex, ey, ez], [fx, fy, fz]) = (edge(b), edge(c));
-        let parts = [
-            Edge::new(ey, fz, ez, fy),
-            Edge::new(ez, fx, ex, fz),
-            Edge::new(ex, fy, ey, fx),
-        ];
-        let (cross, shift) = Edge::shorten(parts);
-        Some((Offset(cross), shift))
-    }
+/// (b − a) × (c − a), steps², shifted right by the second number.
+fn cross([a, b, c]: [[u16; 3]; 3]) -> (Offset, i32) {
+    let edge = |to: [u16; 3]| [0, 1, 2].map(|i| to[i] as i32 - a[i] as i32);
+    let ([ex, ey, ez], [fx, fy, fz]) = (edge(b), edge(c));
+    let parts = [
+        Edge::new(ey, fz, ez, fy),
+        Edge::new(ez, fx, ex, fz),
+        Edge::new(ex, fy, ey, fx),
+    ];
+    let (cross, shift) = Edge::shorten(parts);
+    (Offset(cross), shift)
 }
 
 /// What the corners of a triangle have in a list with one for each vertex.
@@ -253,8 +265,8 @@ fn of_corners<T: Copy>(mesh: &TriangleMesh, list: &[T], triangle: u32) -> Option
 
 /// The triangles of one leaf, one after the other.
 pub(crate) enum Leaf<'a> {
-    Plain(&'a [[u16; 3]], core::slice::Iter<'a, [u16; 3]>),
-    Packed(&'a PackedMesh<'a>, Strip<'a>, u32),
+    Plain(&'a [[u16; 3]], core::slice::Iter<'a, [u16; 3]>, [Seen; 3]),
+    Packed(&'a PackedMesh<'a>, Strip<'a, Seen>, u32),
     None,
 }
 
@@ -267,30 +279,32 @@ impl<'a> Leaf<'a> {
             Triangles::Plain(mesh) => {
                 let first = (base + (leaf & 15)) as usize;
                 match mesh.triangles.get(first..first + (leaf >> 4) as usize) {
-                    Some(triangles) => Leaf::Plain(mesh.vertices, triangles.iter()),
+                    Some(triangles) => Leaf::Plain(mesh.vertices, triangles.iter(), [Seen::NONE; 3]),
                     None => Leaf::None,
                 }
             }
-            Triangles::Packed(mesh) => match mesh.leaf(base, leaf >> 2 & 3) {
+            Triangles::Packed(mesh) => match mesh.leaf(base, leaf >> 2 & 3, Seen::NONE) {
                 Some(strip) => Leaf::Packed(mesh, strip, leaf >> 4),
                 None => Leaf::None,
             },
         }
     }
 
-    /// The corners of the next triangle; `None` after the last.
+    /// The corners of the next triangle as the ray sees them; `None` after the last. `K` is the ray's dominant axis.
     #[inline(always)]
-    pub fn next(&mut self) -> Option<[&[u16; 3]; 3]> {
+    pub fn next<const K: usize>(&mut self, ray: &GridRay) -> Option<&[Seen; 3]> {
+        let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
         match self {
-            Leaf::Plain(vertices, triangles) => {
+            Leaf::Plain(vertices, triangles, seen) => {
                 // One that names a vertex there is not is seen as a point, which nothing hits.
                 let &triangle = triangles.next()?;
-                Some(corners(vertices, triangle).unwrap_or([&[0; 3]; 3]))
+                *seen = corners(vertices, triangle).unwrap_or([&[0; 3]; 3]).map(see);
+                Some(seen)
             }
             Leaf::Packed(mesh, strip, left) => {
                 *left = left.checked_sub(1)?;
-                strip.advance(mesh)?;
-                Some(strip.corners.each_ref())
+                strip.advance(mesh, see)?;
+                Some(&strip.corners)
             }
             Leaf::None => None,
         }
