@@ -106,7 +106,12 @@ impl Radiance {
             return Radiance::BLACK;
         }
         // Keep 16 bits of the largest; if rounding carries past them, one bit fewer.
-        let zeros = leading_zeros(all);
+        // Of products by numbers that are normalised themselves, mostly 0 or 1.
+        let zeros = match all >> 30 {
+            0 => leading_zeros(all),
+            1 => 1,
+            _ => 0,
+        };
         let top = [bits[0] << zeros, bits[1] << zeros, bits[2] << zeros];
         let mut m = round(top, 16);
         let mut e = exponent + 31 - zeros as i32;

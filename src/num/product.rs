@@ -29,6 +29,15 @@ pub const fn mul_shift(a: i32, b: i32, shift: u32) -> i32 {
     return ((a as i64 * b as i64) >> shift) as i32;
 }
 
+/// ⌊a·b / 2^`shift`⌋ of factors that are not negative, wrapped to 32 bits; `shift` in 1 ..= 31.
+#[inline(always)]
+pub const fn mul_shift_short(a: u32, b: u32, shift: u32) -> u32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_shift_short(a, b, shift);
+    #[cfg(not(narrow_mul))]
+    return ((a as u64 * b as u64) >> shift) as u32;
+}
+
 /// ⌊a·b / 2^32⌋: the high word.
 ///
 /// Exact floor: error in (−1, 0] ulp, RMS 0.58, mean −½ (`tests/num_error`).
@@ -142,6 +151,13 @@ pub mod narrow {
         } else {
             high >> (shift - 32)
         }
+    }
+
+    /// See [`super::mul_shift_short`].
+    #[inline(always)]
+    pub const fn mul_shift_short(a: u32, b: u32, shift: u32) -> u32 {
+        let (low, high) = wide(a, b);
+        low >> (shift & 31) | high << (32u32.wrapping_sub(shift) & 31)
     }
 
     /// The whole product as (low, high).

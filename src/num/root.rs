@@ -70,7 +70,12 @@ fn long_rsqrt(n: u32) -> u32 {
 /// products of 32 bits.
 #[inline]
 pub fn isqrt(x: u32) -> u32 {
-    let half = leading_zeros(x | 1) >> 1;
+    // Three of four numbers need no count.
+    let half = if x >> 30 != 0 {
+        0
+    } else {
+        leading_zeros(x | 1) >> 1
+    };
     let n = x << (2 * half);
     let r = short_rsqrt(n);
     // √n = n · 2^31/√n / 2^31, to 2^-14: within 4 of it, so that the rest is under 2^19.

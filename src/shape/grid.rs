@@ -284,30 +284,27 @@ impl GridRay {
         };
         let ahead = (plane << shift).wrapping_sub(z);
         // Inside, |ahead| ≤ 2^7 and the short slope is enough: the product is under 2^20.
-        let across = |from: i32, slope: i32, fine: i32| {
-            let aside = if inside {
-                (ahead * slope) >> SLOPE_BITS
-            } else {
-                mul_shift(ahead, fine, 30)
-            };
+        let [s0, s1] = slopes.slopes;
+        let (aside, start) = if inside {
+            let aside = [s0, s1].map(|slope| (ahead * slope) >> SLOPE_BITS);
+            (aside, short_product(ahead_of(ahead, slopes), slopes.inverse))
+        } else {
+            let aside = slopes.fine.map(|fine| mul_shift(ahead, fine, 30));
+            // √3 (2^30 + 2^26) < 2^31.
+            (aside, mul_shift(ahead_of(ahead, slopes), slopes.inverse, 30))
+        };
+        let across = |from: i32, aside: i32| {
             // Both terms are under 2^30 + 2^26. A sum that wraps comes out beyond ±2^31 ∓ 2^27, which is 2^22 steps
             // or more, and is refused as it should be.
             from.wrapping_add(aside).wrapping_add(half) >> shift
         };
-        let [s0, s1] = slopes.slopes;
-        let (x, y) = (across(x, s0, slopes.fine[0]), across(y, s1, slopes.fine[1]));
+        let (x, y) = (across(x, aside[0]), across(y, aside[1]));
         let beside = |c: i32| c.wrapping_add(65536) as u32 >= 3 * 65536;
         if beside(x) || beside(y) {
             return None;
         }
         // 2^13 · 2^16 + 2^17 · 2^13 + 2^12 < 2^31
         let offset = |s: i32, c: i32| s * plane - (c << SLOPE_BITS) + (1 << (SLOPE_BITS - 1));
-        // √3 (2^30 + 2^26) < 2^31.
-        let ahead = if slopes.negative {
-            ahead.wrapping_neg()
-        } else {
-            ahead
-        };
         Some(GridRay {
             plane,
             slopes: slopes.slopes,
@@ -317,11 +314,7 @@ impl GridRay {
             shift,
             cosine: slopes.cosine,
             inverse: slopes.inverse,
-            start: if inside {
-                short_product(ahead, slopes.inverse)
-            } else {
-                mul_shift(ahead, slopes.inverse, 30)
-            },
+            start,
         })
     }
 
@@ -360,6 +353,16 @@ impl GridRay {
         // Both factors are rounded up: at most (2^17)(2^14 + 1) < 2^32. One more for the reciprocal's error.
         let depth = ((steps * ((self.cosine >> 2).min(1 << 14) + 1)) >> 14) as i32 + 1;
         depth.min(LAST)
+    }
+}
+
+/// A way along the axis as one along the ray.
+#[inline(always)]
+fn ahead_of(ahead: i32, slopes: &Slopes) -> i32 {
+    if slopes.negative {
+        ahead.wrapping_neg()
+    } else {
+        ahead
     }
 }
 

@@ -1,7 +1,7 @@
 //! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
 
 use crate::geom::{Dir, FAR, Offset, Point, Ray};
-use crate::num::{Wide, leading_zeros, mul_hi, mul_q16, mul_unit, recip, round_shift};
+use crate::num::{Wide, leading_zeros, mul_q16, mul_shift_short, mul_unit, recip, round_shift};
 
 /// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
 ///
@@ -177,12 +177,15 @@ fn quotient(height: u32, slope: u32, t_max: i32) -> Option<i32> {
         return (height > 0).then_some(FAR);
     }
     // Clearly beyond t_max, by more than the quotient's error, it is not worth a reciprocal:
-    // 2 h > t_max·slope / 2^23 (1 + 2^-20) + 4, with t_max < 2^30 and slope under 2^25.
-    let reach = mul_hi((t_max as u32) << 2, slope << 7);
-    if height << 1 > reach + (reach >> 20) + 4 {
+    // h/2 > t_max·slope / 2^25 (1 + 2^-20) + 1, with t_max < 2^30 and slope under 2^25, 16 bits of it rounded up.
+    let (t_max, short) = (t_max as u32, (slope >> 9) + 1);
+    let reach = (t_max >> 16) * short + (((t_max & 0xffff) * short) >> 16) + 1;
+    if height >> 1 > reach + (reach >> 20) + 1 {
         return None;
     }
-    let t = recip(slope).times(height as i32, 24);
+    // `times`, of numbers that are not negative and a slope under 2^25, the shift of whose reciprocal is 56 at most.
+    let r = recip(slope);
+    let t = mul_shift_short(height, r.mantissa >> 1, r.shift - 25) as i32;
     (t > 0).then_some(t)
 }
 

@@ -52,6 +52,15 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
             [mul_hi(a as u32, b as u32), narrow::mul_hi(a as u32, b as u32)],
             [(unsigned >> 32) as u32; 2]
         );
+        for shift in 1..32 {
+            assert_eq!(
+                [
+                    mul_shift_short(a as u32, b as u32, shift),
+                    narrow::mul_shift_short(a as u32, b as u32, shift)
+                ],
+                [(unsigned >> shift) as u32; 2]
+            );
+        }
         for shift in 0..64 {
             assert_eq!(
                 [mul_shift(a, b, shift), narrow::mul_shift(a, b, shift)],
