@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::{bench_seed, profile, raystones, shell};
+use crate::{bench_seed, growth, peers, profile, raystones, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -26,6 +26,12 @@ pub struct Options {
     /// ours, and say how many queries of the scene each makes a second; else what the record says of it is left
     #[arg(long, value_name = "DIR")]
     seed_program: Option<PathBuf>,
+    /// Instead of all that: trace rays with other people's ray tracers, too, and write what each makes a second
+    #[arg(long)]
+    peers: bool,
+    /// Library of Embree 4 (libembree4.so, as in PyPI's wheel `embreex`) for `--peers`; left out without it
+    #[arg(long, value_name = "FILE", requires = "peers")]
+    embree: Option<PathBuf>,
     /// Write the rows as JSON, too
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -36,7 +42,13 @@ const RECORD: &str = "docs/performance.md";
 const BESIDE: &str = "## Beside the program of the paper's author";
 const TRIED: &str = "## Tried";
 /// Sections that others write, in this order, and the one that is written by hand.
-const KEPT: [&str; 3] = [raystones::TITLE, profile::TITLE, TRIED];
+const KEPT: [&str; 5] = [
+    peers::TITLE,
+    raystones::TITLE,
+    profile::TITLE,
+    growth::TITLE,
+    TRIED,
+];
 /// The first record, 2026-11-23 at commit 0637617: scene, a primary ray, a path.
 const FIRST: [(&str, u64, u64); 12] = [
     ("cornell", 2143, 15679),
@@ -71,6 +83,12 @@ pub fn run(options: &Options) -> Result<()> {
         shell::have("valgrind"),
         "valgrind is missing: `apt-get install valgrind`"
     );
+    if options.peers {
+        let bunny = shell::root().join(&options.bunny);
+        let section = peers::run(options.embree.as_deref(), &bunny)?;
+        println!("{section}");
+        return put(peers::TITLE, &section);
+    }
     shell::run(shell::cargo("build").args(["--release", "--package", "host-sim", "--bin", "host-sim"]))?;
     let host_sim = shell::target_dir().join("release/host-sim");
     let folder = tempfile::tempdir()?;

@@ -4,7 +4,7 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, layers, no_float, profile, raystones,
+    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, growth, layers, no_float, profile, raystones,
     sampling, setup, shell,
 };
 
@@ -51,6 +51,10 @@ enum Chore {
     ///
     /// Prints the tables and writes them into docs/performance.md.
     Profile(profile::Options),
+    /// Count what a ray costs as triangles, strips and samples become more
+    ///
+    /// Writes the tables and a curve into docs/performance.md and docs/img.
+    Growth(growth::Options),
     /// Measure what bidirectional path tracing is worth and write docs/transport.md
     BenchBdpt(bench_bdpt::Options),
     /// Measure what the samplers are worth and write docs/sampling.md
@@ -85,6 +89,7 @@ impl Xtask {
             Chore::BenchHost(options) => bench_host::run(&options),
             Chore::Raystones(options) => raystones::run(&options),
             Chore::Profile(options) => profile::run(&options),
+            Chore::Growth(options) => growth::run(&options),
             Chore::BenchBdpt(options) => bench_bdpt::run(&options),
             Chore::Sampling(options) => sampling::run(&options),
             Chore::Golden(options) => golden::run(&options),
