@@ -103,8 +103,8 @@ fn words(header: &Header) -> String {
         {COUNTED} rays (Embree: as it runs there). Coordinates are integers, the same and exact for all. `bvh` 0.12 is a\n\
         binary tree in f32: all boxes that are met, or the nearest first up to the hit; Embree 4 is asked by rtcIntersect1 in\n\
         its default settings, vectorised and in single precision. *Same*: the same triangle, or none; *distance*: another\n\
-        triangle at the same distance to three steps of the grid and 1e-4; *rim*: one goes by within three steps of an edge\n\
-        where the other hits; *other*: what is neither.\n",
+        number at the same distance to three steps of the grid and 1e-4 (our packed mesh has numbers of its own); *rim*: one\n\
+        goes by within three steps of an edge where the other hits; *other*: what is neither.\n",
         header.date, header.commit, header.tools
     )
 }
