@@ -2,6 +2,7 @@
 
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
+use crate::film::feature::{self, Feature, ID_NOTHING};
 use crate::film::{Exposure, Tile};
 use crate::integrator::{Features, Integrator, NoSplats, Path, SplatSink, View, features};
 use crate::num::Uniform;
@@ -99,6 +100,54 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
                 splats.add(x, y, light);
             }
         }
+    }
+
+    /// One pixel for a denoiser: of the same samples as [`Self::pixel`].
+    pub fn feature(&mut self, x: u16, y: u16) -> Feature {
+        const {
+            assert!(
+                !I::NEEDS_SPLATS,
+                "this integrator needs a whole frame: Renderer::expose"
+            )
+        };
+        let mut sum = feature::Sum::default();
+        for index in 0..self.settings.spp.clamp(1, 1 << 16) {
+            self.sampler.start(x, y, index);
+            let place = self.sampler.next_2d();
+            let lens = self.sampler.next_2d();
+            let Some(ray) = self.film.ray(x, y, place, lens) else {
+                continue;
+            };
+            let view = View {
+                scene: self.scene,
+                film: &self.film,
+            };
+            let (radiance, first) = self
+                .integrator
+                .sense(&view, ray, &mut self.sampler, &mut self.rays);
+            let id = first.distance.map_or(ID_NOTHING, |_| first.id);
+            sum.add(&feature::Sample {
+                radiance,
+                albedo: first.albedo,
+                normal: first.normal,
+                distance: first.distance,
+                id: feature::first_id(id, first.bounces),
+            });
+        }
+        sum.mean()
+    }
+
+    /// The pixels of `area`, row by row, for a denoiser; answers with how many `strip` held.
+    pub fn feature_tile(&mut self, area: Rectangle, strip: &mut [Feature]) -> usize {
+        let (left, top) = (area.top_left.x as u16, area.top_left.y as u16);
+        let (width, height) = (area.size.width as u16, area.size.height as u16);
+        let mut done = 0;
+        let places = (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y)));
+        for (pixel, (x, y)) in strip.iter_mut().zip(places) {
+            *pixel = self.feature(x, y);
+            done += 1;
+        }
+        done
     }
 
     /// Rays asked of the scene so far, wrapping: nearest hits and shadow rays.

@@ -12,6 +12,7 @@ mod curve;
 mod display;
 mod dither;
 mod exposure;
+pub mod feature;
 mod tile;
 mod tonemap;
 
@@ -19,5 +20,6 @@ pub use color::DisplayColor;
 pub use display::{Display, Stops};
 pub use dither::Dither;
 pub use exposure::Exposure;
+pub use feature::Feature;
 pub use tile::Tile;
 pub use tonemap::{Tone, ToneMap};

@@ -1,7 +1,7 @@
-use crate::color::Albedo;
+use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Ray};
-use crate::num::Uniform;
-use crate::scene::Scene;
+use crate::num::{Share, Uniform};
+use crate::scene::{Scene, Vertex};
 
 /// What is seen first that is no mirror or glass: the layers beside a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,4 +46,131 @@ pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
         };
     }
     None
+}
+
+/// Who wants to know what a camera path meets on its way.
+pub trait Witness {
+    /// The path met a surface, `distance` units from its last place, with this throughput so far.
+    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32);
+
+    /// It met nothing.
+    fn nothing(&mut self, ray: &Ray, throughput: Radiance);
+
+    /// It went through a surface that the camera does not see.
+    fn passed(&mut self, distance: i32);
+}
+
+impl<W: Witness> Witness for &mut W {
+    #[inline(always)]
+    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32) {
+        W::surface(self, vertex, throughput, distance);
+    }
+
+    #[inline(always)]
+    fn nothing(&mut self, ray: &Ray, throughput: Radiance) {
+        W::nothing(self, ray, throughput);
+    }
+
+    #[inline(always)]
+    fn passed(&mut self, distance: i32) {
+        W::passed(self, distance);
+    }
+}
+
+/// Nobody.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoWitness;
+
+impl Witness for NoWitness {
+    #[inline(always)]
+    fn surface(&mut self, _: &Vertex, _: Radiance, _: i32) {}
+
+    #[inline(always)]
+    fn nothing(&mut self, _: &Ray, _: Radiance) {}
+
+    #[inline(always)]
+    fn passed(&mut self, _: i32) {}
+}
+
+/// The first on a camera path that is no mirror or smooth glass; where a path ends before it, the last it met.
+#[derive(Clone, Copy, Debug)]
+pub struct First {
+    /// Times what mirrors and glass before it let through; 1 for what shines.
+    pub albedo: Albedo,
+    /// As shading sees it, on the side the path came from; back along the path where it met nothing.
+    pub normal: Dir,
+    /// Length of the way there, units; `None` where it met nothing.
+    pub distance: Option<i32>,
+    /// The user's number for the shape.
+    pub id: u16,
+    /// Mirrors and glass on the way.
+    pub bounces: u16,
+    so_far: i32,
+    is_found: bool,
+}
+
+impl First {
+    pub const fn new() -> First {
+        First {
+            albedo: Albedo::WHITE,
+            normal: Dir::Z,
+            distance: None,
+            id: 0,
+            bounces: 0,
+            so_far: 0,
+            is_found: false,
+        }
+    }
+}
+
+impl Default for First {
+    fn default() -> First {
+        First::new()
+    }
+}
+
+impl Witness for First {
+    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32) {
+        if self.is_found {
+            return;
+        }
+        if self.distance.is_some() {
+            self.bounces += 1;
+        }
+        self.so_far = self.so_far.saturating_add(distance);
+        self.distance = Some(self.so_far);
+        let own = if vertex.emission.is_black() {
+            vertex.albedo()
+        } else {
+            Albedo::WHITE
+        };
+        self.albedo = shares(throughput).times(own);
+        self.normal = vertex.facing();
+        self.id = vertex.id;
+        self.is_found = vertex.is_emitter || vertex.material.is_smooth();
+    }
+
+    fn nothing(&mut self, ray: &Ray, throughput: Radiance) {
+        if self.is_found {
+            return;
+        }
+        self.bounces += u16::from(self.distance.is_some());
+        self.albedo = shares(throughput);
+        self.normal = -ray.dir;
+        self.distance = None;
+        self.is_found = true;
+    }
+
+    fn passed(&mut self, distance: i32) {
+        self.so_far = self.so_far.saturating_add(distance);
+    }
+}
+
+/// A throughput as shares, each 1 at most.
+fn shares(throughput: Radiance) -> Albedo {
+    Albedo(
+        throughput
+            .to_q32()
+            .map(|q| Share::from_bits((q >> 17).min(1 << 15) as u16)),
+    )
 }

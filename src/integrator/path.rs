@@ -1,5 +1,5 @@
 use super::mis::weight_over_density;
-use super::{Integrator, SplatSink, View, power_heuristic};
+use super::{First, Integrator, NoWitness, SplatSink, View, Witness, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::num::{Uniform, Wide};
@@ -45,6 +45,19 @@ impl Path {
     ///
     /// `rays` counts what was asked of the scene, nearest hits and shadow rays.
     pub fn radiance(&self, scene: &Scene, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> Radiance {
+        self.follow(scene, ray, sampler, rays, &mut NoWitness)
+    }
+
+    /// [`Self::radiance`], with `witness` told of what the path meets.
+    #[inline]
+    pub fn follow(
+        &self,
+        scene: &Scene,
+        ray: Ray,
+        sampler: &mut impl Sampler,
+        rays: &mut u32,
+        witness: &mut impl Witness,
+    ) -> Radiance {
         let mut ray = ray;
         let mut sum = Radiance::BLACK;
         let mut throughput = Radiance::WHITE;
@@ -66,6 +79,7 @@ impl Path {
             let hit = match seen {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
+                    witness.nothing(&ray, throughput);
                     let mut background = throughput.mul(scene.background(ray.dir));
                     let light_pdf = scene.background_pdf(ray.dir);
                     if !bsdf_pdf.is_zero() && !light_pdf.is_zero() {
@@ -74,15 +88,22 @@ impl Path {
                     sum = sum.add(background);
                     break;
                 }
-                Some(Seen::Environment) | None => break,
+                Some(Seen::Environment) => {
+                    witness.nothing(&ray, throughput);
+                    break;
+                }
+                None => break,
             };
             let vertex = scene.vertex(&ray, &hit);
             if depth == 1 && hidden > 0 && vertex.is_emitter {
                 hidden -= 1;
+                witness.passed(hit.t);
                 depth = 0;
                 ray.origin = vertex.surface.leave(ray.dir);
                 continue;
             }
+
+            witness.surface(&vertex, throughput, hit.t);
 
             // Add what the surface emits, weighted against the light sample that could have found it.
             if let Some(light) = vertex.light {
@@ -180,5 +201,11 @@ impl Integrator for Path {
         rays: &mut u32,
     ) -> Radiance {
         Path::radiance(self, view.scene, ray, sampler, rays)
+    }
+
+    fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
+        let mut first = First::new();
+        let light = self.follow(view.scene, ray, sampler, rays, &mut first);
+        (light, first)
     }
 }

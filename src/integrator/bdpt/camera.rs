@@ -6,7 +6,7 @@ use super::weight::{Partial, weight};
 use super::{Bdpt, Strategy, Tally};
 use crate::color::Radiance;
 use crate::geom::Ray;
-use crate::integrator::{View, power_heuristic};
+use crate::integrator::{View, Witness, power_heuristic};
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 use crate::scene::{Hit, Seen};
@@ -62,6 +62,7 @@ impl<const N: usize> Bdpt<N> {
             let hit = match seen {
                 Some(Seen::Emitter(hit)) => hit,
                 Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
+                    tally.witness().nothing(&ray, throughput);
                     let sample = scene.background_pdf(ray.dir);
                     let weight = if depth == 1 || sample.is_zero() {
                         // Nothing else finds it.
@@ -77,16 +78,23 @@ impl<const N: usize> Bdpt<N> {
                     tally.gather(strategy, light, weight);
                     break;
                 }
-                Some(Seen::Environment) | None => break,
+                Some(Seen::Environment) => {
+                    tally.witness().nothing(&ray, throughput);
+                    break;
+                }
+                None => break,
             };
             let vertex = scene.vertex(&ray, &hit);
             if depth == 1 && hidden > 0 && vertex.is_emitter {
                 hidden -= 1;
+                tally.witness().passed(hit.t);
                 depth = 0;
                 passed = passed.saturating_add(hit.t);
                 ray.origin = vertex.surface.leave(ray.dir);
                 continue;
             }
+
+            tally.witness().surface(&vertex, throughput, hit.t);
 
             // Add what the surface emits.
             if let Some(light) = vertex.light {

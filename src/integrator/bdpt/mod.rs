@@ -7,7 +7,7 @@ mod light;
 mod subpath;
 mod weight;
 
-use super::{Integrator, SplatSink, View};
+use super::{First, Integrator, NoSplats, NoWitness, SplatSink, View, Witness};
 use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::num::Wide;
@@ -54,15 +54,22 @@ pub trait Tally {
 
     /// Light for another pixel.
     fn splat(&mut self, strategy: Strategy, pixel: (u16, u16), light: Radiance, weight: Wide);
+
+    /// Who is told of what the camera's path meets.
+    #[inline(always)]
+    fn witness(&mut self) -> impl Witness {
+        NoWitness
+    }
 }
 
 /// The sum that makes a picture.
-struct Sum<'a, F> {
+struct Sum<'a, F, W> {
     light: Radiance,
     splats: &'a mut F,
+    witness: W,
 }
 
-impl<F: SplatSink> Tally for Sum<'_, F> {
+impl<F: SplatSink, W: Witness> Tally for Sum<'_, F, W> {
     const SPLATS: bool = F::EXISTS;
 
     #[inline]
@@ -73,6 +80,11 @@ impl<F: SplatSink> Tally for Sum<'_, F> {
     #[inline]
     fn splat(&mut self, _: Strategy, (x, y): (u16, u16), light: Radiance, weight: Wide) {
         self.splats.add(x, y, light.scale(weight));
+    }
+
+    #[inline(always)]
+    fn witness(&mut self) -> impl Witness {
+        &mut self.witness
     }
 }
 
@@ -96,9 +108,20 @@ impl<const N: usize> Integrator for Bdpt<N> {
         let mut sum = Sum {
             light: Radiance::BLACK,
             splats,
+            witness: NoWitness,
         };
         self.follow(view, ray, sampler, &mut sum, rays);
         sum.light
+    }
+
+    fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
+        let mut sum = Sum {
+            light: Radiance::BLACK,
+            splats: &mut NoSplats,
+            witness: First::new(),
+        };
+        self.follow(view, ray, sampler, &mut sum, rays);
+        (sum.light, sum.witness)
     }
 }
 

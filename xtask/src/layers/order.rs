@@ -19,7 +19,7 @@ const CHAIN: [&str; 13] = [
 
 /// Beside the chain: uses [`FILM_USES`], and only [`FILM_USER`] uses it.
 const FILM: &str = "film";
-const FILM_USES: [&str; 2] = ["num", "color"];
+const FILM_USES: [&str; 3] = ["num", "color", "geom"];
 const FILM_USER: &str = "render";
 
 pub fn knows(room: &str) -> bool {
@@ -42,7 +42,7 @@ pub fn may_use(from: &str, to: &str) -> bool {
 /// Why `from` may not use `to`.
 pub fn reason(from: &str, to: &str) -> String {
     match (from, to) {
-        (FILM, _) => format!("film uses {} only", FILM_USES.join(" and ")),
+        (FILM, _) => format!("film uses {} only", FILM_USES.join(", ")),
         (_, FILM) => format!("film is for {FILM_USER} only"),
         _ => format!("it stands to the right of {from}"),
     }

@@ -1,0 +1,178 @@
+use microlux::bvh::Node;
+use microlux::camera::Camera;
+use microlux::color::{Radiance, albedo};
+use microlux::film::Feature;
+use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, albedo_code, depth_code, first_id};
+use microlux::geom::{Dir, Point};
+use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, Path};
+use microlux::light::Light;
+use microlux::material::Material;
+use microlux::num::{Share, Turn};
+use microlux::q;
+use microlux::render::{Renderer, Settings};
+use microlux::sampler::Sobol;
+use microlux::scene::builtin::Builtin;
+use microlux::scene::{Scene, SceneBuilder};
+use microlux::shape::Plane;
+
+const SETTINGS: Settings = Settings {
+    width: 24,
+    height: 20,
+    spp: 4,
+};
+
+fn value(light: Radiance) -> [f64; 3] {
+    let (m, e) = light.to_parts();
+    m.map(|m| f64::from(m) * f64::from(i32::from(e) - 15).exp2())
+}
+
+/// Features against the picture of the same samples: their product is its light, but for steps.
+fn agrees<I: Integrator + Copy>(scene: &Scene, camera: Camera, integrator: I) -> Vec<Feature> {
+    let mut renderer = Renderer::new(scene, camera, integrator, Sobol::new(5), SETTINGS);
+    let mut plain = renderer.clone();
+    let mut found = Vec::new();
+    let mut flat = 0;
+    for y in 0..SETTINGS.height {
+        for x in 0..SETTINGS.width {
+            let pixel = renderer.feature(x, y);
+            let exact = value(plain.pixel(x, y));
+            let got = value(pixel.radiance());
+            // One surface of one albedo in the whole pixel: then the means multiply.
+            let largest = exact.iter().fold(0f64, |m, c| m.max(*c));
+            let off = (0..3).map(|i| (got[i] - exact[i]).abs()).fold(0f64, f64::max);
+            flat += usize::from(off <= 0.04 * largest + 1e-6);
+            found.push(pixel);
+        }
+    }
+    assert!(flat * 100 >= found.len() * 80, "{flat} of {}", found.len());
+    assert_eq!(renderer.rays(), plain.rays(), "looking costs no ray");
+    found
+}
+
+#[test]
+fn light_is_irradiance_times_albedo_in_every_integrator() {
+    Builtin::Cornell
+        .with(|scene, camera| {
+            let path = agrees(scene, camera, Path::new(6));
+            let direct = agrees(scene, camera, Path::direct());
+            let both = agrees(scene, camera, Bdpt::<8>::new(6));
+            for (i, pixel) in path.iter().enumerate() {
+                let guide = |f: &Feature| (f.albedo, f.normal, f.depth, f.id);
+                assert_eq!(guide(pixel), guide(&both[i]));
+                assert_eq!(guide(pixel), guide(&direct[i]));
+            }
+        })
+        .unwrap();
+}
+
+/// A mirror of (1/2, 1, 1) two metres before the camera, a wall of (1/2, 1/2, 1) three metres behind it, and no more.
+fn between_mirror_and_wall<R>(material: Material, look: impl FnOnce(&Scene, Camera) -> R) -> R {
+    let mut builder = SceneBuilder::<2, 2, 1>::new();
+    let half = q!(0.5, Share);
+    let wall = builder
+        .material(Material::lambert(albedo(half, half, Share::ONE)))
+        .unwrap();
+    let mirror = builder.material(material).unwrap();
+    let unit = builder.unit();
+    let at = |z| Point([0, 0, unit.length(z)]);
+    let (front, back) = (at(q!(-2)), at(q!(3)));
+    let plane = |point| Plane {
+        point,
+        normal: Dir::Z,
+    };
+    builder.shape(plane(front), mirror).unwrap();
+    builder.shape(plane(back), wall).unwrap();
+    let eye = at(q!(0));
+    builder
+        .light(Light::Point {
+            position: eye,
+            intensity: Radiance::WHITE,
+        })
+        .unwrap();
+    let camera = Camera::look_at(eye, front, [0, 1, 0], Camera::tan_half(Turn::from_bits(1 << 22))).unwrap();
+    let mut nodes = [Node::EMPTY; 2];
+    look(&builder.build(&mut nodes).unwrap(), camera)
+}
+
+#[test]
+fn mirrors_and_glass_are_looked_through() {
+    let half = q!(0.5, Share);
+    let mirror = Material::mirror(albedo(half, Share::ONE, Share::ONE));
+    between_mirror_and_wall(mirror, |scene, camera| {
+        let seen =
+            |integrator| Renderer::new(scene, camera, integrator, Sobol::new(5), SETTINGS).feature(12, 10);
+        let pixel = seen(Path::new(6));
+        let code = albedo_code(half);
+        assert_eq!(pixel.albedo, [albedo_code(q!(0.25, Share)), code, 255]);
+        assert_eq!(pixel.id, first_id(1, 1));
+        // Two metres there, five back.
+        assert_eq!(pixel.depth, depth_code(scene.unit().length(q!(7))));
+        assert_eq!(pixel.normal.decode(), -Dir::Z);
+        assert!(!pixel.radiance().is_black());
+        // Paths of one segment end at the mirror: it is what they met.
+        let short = seen(Path::new(1));
+        assert_eq!(
+            (short.id, short.depth),
+            (0, depth_code(scene.unit().length(q!(2))))
+        );
+        assert_eq!(short.radiance(), Radiance::BLACK);
+    });
+}
+
+#[test]
+fn what_shines_and_what_is_far_away_has_its_light_as_irradiance() {
+    Builtin::Cornell
+        .with(|scene, camera| {
+            let (width, height) = (72, 60);
+            let settings = Settings {
+                width,
+                height,
+                ..SETTINGS
+            };
+            let mut renderer = Renderer::new(scene, camera, Path::new(6), Sobol::new(5), settings);
+            let pixels: Vec<_> = (0..height / 4)
+                .flat_map(|y| (0..width).map(move |x| (x, y)))
+                .map(|(x, y)| (renderer.feature(x, y), renderer.pixel(x, y)))
+                .collect();
+            let lamp = pixels
+                .iter()
+                .filter(|(f, _)| f.albedo == [255; 3] && f.depth < DEPTH_NOTHING);
+            let mut count = 0;
+            for (feature, light) in lamp {
+                assert!(value(*light).iter().all(|c| *c > 1.0), "{feature:?} {light:?}");
+                count += 1;
+            }
+            assert!(count > 3, "{count}");
+        })
+        .unwrap();
+    Builtin::Sky
+        .with(|scene, camera| {
+            let mut renderer = Renderer::new(scene, camera, Path::new(6), Sobol::new(5), SETTINGS);
+            let sky = renderer.feature(2, 0);
+            assert_eq!(
+                (sky.albedo, sky.depth, sky.id),
+                ([255; 3], DEPTH_NOTHING, ID_NOTHING)
+            );
+            let (got, exact) = (value(sky.radiance()), value(renderer.pixel(2, 0)));
+            assert!(
+                (0..3).all(|i| (got[i] - exact[i]).abs() < exact[2] / 400.0),
+                "{got:?} {exact:?}"
+            );
+        })
+        .unwrap();
+}
+
+#[test]
+fn other_integrators_find_the_same_things() {
+    Builtin::Cornell
+        .with(|scene, camera| {
+            let ao = AmbientOcclusion::new();
+            let mut other = Renderer::new(scene, camera, ao, Sobol::new(5), SETTINGS);
+            let mut path = Renderer::new(scene, camera, Path::new(6), Sobol::new(5), SETTINGS);
+            for (x, y) in [(3, 3), (12, 15), (20, 10), (8, 18)] {
+                let (a, b) = (other.feature(x, y), path.feature(x, y));
+                assert_eq!((a.normal, a.depth, a.id), (b.normal, b.depth, b.id), "{x} {y}");
+            }
+        })
+        .unwrap();
+}

@@ -1,0 +1,3 @@
+//! What a denoiser is told, and what it makes of it.
+
+mod features;
