@@ -213,10 +213,30 @@ impl FilmPlane {
     ///
     /// The inverse of [`Self::ray`], right to 1/1000 pixel for pictures of up to 2^10 pixels a side.
     pub fn project(&self, point: Point, lens: [Uniform; 2]) -> Option<Projection> {
-        let camera = &self.camera;
         let (from, aside) = self.lens_place(lens);
         let offset = from.to(point);
         let (dir, norm) = offset.normalize()?;
+        let [x, y] = self.across(offset, aside)?;
+        let pixel = |place: i32, half: i32| (place >= 0 && place < half >> 4).then_some((place >> 12) as u16);
+        Some(Projection {
+            pixel: (pixel(x, self.half_width)?, pixel(y, self.half_height)?),
+            lens: from,
+            dir,
+            norm,
+            density: self.density(dir),
+        })
+    }
+
+    /// Where in the picture a point is seen from the lens's middle, pixels from the left and top edge, Q12: [`Self::project`]
+    /// with all its bits. Somewhat beside the picture, too.
+    pub fn place(&self, point: Point) -> Option<[i32; 2]> {
+        self.across(self.camera.origin.to(point), [0; 2])
+    }
+
+    /// Where an offset from the lens leads to, Q12 of a pixel; `aside` as [`Self::lens_place`] has it.
+    #[inline]
+    fn across(&self, offset: Offset, aside: [i32; 2]) -> Option<[i32; 2]> {
+        let camera = &self.camera;
         // All the bits there are, the largest component of 28: sums of three products stay under 2^30.
         let largest = offset.0.iter().fold(0, |m, c| m | c.unsigned_abs());
         let zeros = leading_zeros(largest) as i32 - 4;
@@ -243,20 +263,19 @@ impl FilmPlane {
         };
         let x = (self.half_width >> 5) + across(camera.right, aside[0])?;
         let y = (self.half_height >> 5) - across(camera.up, aside[1])?;
-        let pixel = |place: i32, half: i32| (place >= 0 && place < half >> 4).then_some((place >> 12) as u16);
-        Some(Projection {
-            pixel: (pixel(x, self.half_width)?, pixel(y, self.half_height)?),
-            lens: from,
-            dir,
-            norm,
-            density: self.density(dir),
-        })
+        Some([x, y])
     }
 
     /// Whether rays start anywhere on a lens.
     #[inline]
     pub const fn has_lens(&self) -> bool {
         self.camera.has_lens()
+    }
+
+    /// The middle of the lens.
+    #[inline]
+    pub const fn origin(&self) -> Point {
+        self.camera.origin()
     }
 
     /// A place on the lens, and how far aside it is over the distance of what is in focus, Q20.

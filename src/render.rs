@@ -2,9 +2,10 @@
 
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
-use crate::film::feature::{self, Feature, ID_NOTHING};
+use crate::film::denoise::{Before, Reproject};
+use crate::film::feature::{self, DEPTH_NOTHING, Feature, ID_NOTHING, depth_code, depth_distance};
 use crate::film::{Exposure, Tile};
-use crate::integrator::{Features, Integrator, NoSplats, Path, SplatSink, View, features};
+use crate::integrator::{Features, First, Integrator, NoSplats, Path, SplatSink, View, features, first};
 use crate::num::Uniform;
 use crate::sampler::Sampler;
 use crate::scene::Scene;
@@ -125,14 +126,19 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
             let (radiance, first) = self
                 .integrator
                 .sense(&view, ray, &mut self.sampler, &mut self.rays);
-            let id = first.distance.map_or(ID_NOTHING, |_| first.id);
-            sum.add(&feature::Sample {
-                radiance,
-                albedo: first.albedo,
-                normal: first.normal,
-                distance: first.distance,
-                id: feature::first_id(id, first.bounces),
-            });
+            sum.add(&sample(radiance, &first));
+        }
+        sum.mean()
+    }
+
+    /// What the ray through the middle of a pixel meets first, without its light: what leads [`film::denoise::upsample`].
+    ///
+    /// [`film::denoise::upsample`]: crate::film::denoise::upsample
+    pub fn guide(&self, x: u16, y: u16) -> Feature {
+        let middle = [Uniform::from_bits(1 << 31); 2];
+        let mut sum = feature::Sum::default();
+        if let Some(ray) = self.film.ray(x, y, middle, middle) {
+            sum.add(&sample(Radiance::BLACK, &first(self.scene, ray, &mut 0)));
         }
         sum.mean()
     }
@@ -214,6 +220,61 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
 
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+}
+
+fn sample(radiance: Radiance, first: &First) -> feature::Sample {
+    let id = first.distance.map_or(ID_NOTHING, |_| first.id);
+    feature::Sample {
+        radiance,
+        albedo: first.albedo,
+        normal: first.normal,
+        distance: first.distance,
+        id: feature::first_id(id, first.bounces),
+    }
+}
+
+/// Two frames' cameras: where what is seen now was seen before.
+///
+/// What is seen by way of mirrors is taken for what it looks like, a thing behind them. Right to a sixteenth of a pixel and
+/// to what the distance's steps (2.2 % at most) are worth.
+#[derive(Clone, Copy, Debug)]
+pub struct Motion {
+    now: FilmPlane,
+    before: FilmPlane,
+    is_still: bool,
+}
+
+impl Motion {
+    /// Between the frame before and the one now, both of this size.
+    pub fn between(before: Camera, now: Camera, width: u16, height: u16) -> Motion {
+        Motion {
+            now: now.film(width, height),
+            before: before.film(width, height),
+            is_still: now == before,
+        }
+    }
+}
+
+impl Reproject for Motion {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        if self.is_still {
+            let place = [x, y].map(|c| 16 * c as i32 + 8);
+            return Some(Before { place, depth });
+        }
+        let middle = [Uniform::from_bits(1 << 31); 2];
+        let ray = self.now.ray(x, y, middle, middle)?;
+        let origin = self.before.origin();
+        let (point, depth) = if depth == DEPTH_NOTHING {
+            (origin.along(ray.dir, 1 << 26), DEPTH_NOTHING)
+        } else {
+            let point = ray.origin.along(ray.dir, depth_distance(depth));
+            let (_, norm) = origin.to(point).normalize()?;
+            (point, depth_code(norm.length()))
+        };
+        // Q12 to sixteenths.
+        let place = self.before.place(point)?.map(|c| (c + (1 << 7)) >> 8);
+        Some(Before { place, depth })
     }
 }
 

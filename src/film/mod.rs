@@ -9,6 +9,7 @@
 
 mod color;
 mod curve;
+pub mod denoise;
 mod display;
 mod dither;
 mod exposure;

@@ -1,5 +1,6 @@
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Ray};
+use crate::material::Material;
 use crate::num::{Share, Uniform};
 use crate::scene::{Scene, Vertex};
 
@@ -48,6 +49,36 @@ pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
     None
 }
 
+/// The same as a path's [`Witness`] would tell it: what shines and what is beyond everything has an answer, too.
+///
+/// `rays` counts what was asked of the scene.
+pub fn first(scene: &Scene, ray: Ray, rays: &mut u32) -> First {
+    let mut ray = ray;
+    let mut throughput = Radiance::WHITE;
+    let mut first = First::new();
+    for bounce in 0..=BOUNCES {
+        *rays = rays.wrapping_add(1);
+        let Some(hit) = scene.closest(&ray) else {
+            first.nothing(&ray, throughput);
+            break;
+        };
+        let vertex = scene.vertex(&ray, &hit);
+        first.surface(&vertex, throughput, hit.t);
+        if first.is_found || bounce == BOUNCES {
+            break;
+        }
+        let Some(onward) = vertex.sample([Uniform::ZERO; 2], Uniform::MAX) else {
+            break;
+        };
+        throughput = throughput.mul(onward.weight);
+        ray = Ray {
+            origin: vertex.surface.leave(onward.wi),
+            dir: onward.wi,
+        };
+    }
+    first
+}
+
 /// Who wants to know what a camera path meets on its way.
 pub trait Witness {
     /// The path met a surface, `distance` units from its last place, with this throughput so far.
@@ -92,7 +123,8 @@ impl Witness for NoWitness {
     fn passed(&mut self, _: i32) {}
 }
 
-/// The first on a camera path that is no mirror or smooth glass; where a path ends before it, the last it met.
+/// The first on a camera path that is no mirror or smooth glass; where a path ends before it, the last it met. Glass is
+/// looked through, by refraction, wherever a ray gets through at all.
 #[derive(Clone, Copy, Debug)]
 pub struct First {
     /// Times what mirrors and glass before it let through; 1 for what shines.
@@ -107,9 +139,21 @@ pub struct First {
     pub bounces: u16,
     so_far: i32,
     is_found: bool,
+    /// Whether the way went by chance: smooth glass reflects and refracts.
+    is_drawn: bool,
 }
 
 impl First {
+    /// What a path along `ray` met first, or, where glass drew lots for it, what [`first`] finds there: the same for all
+    /// paths, so that chance is in their light alone.
+    pub(super) fn settled(self, scene: &Scene, ray: Ray, rays: &mut u32) -> First {
+        if self.is_drawn {
+            first(scene, ray, rays)
+        } else {
+            self
+        }
+    }
+
     pub const fn new() -> First {
         First {
             albedo: Albedo::WHITE,
@@ -119,6 +163,7 @@ impl First {
             bounces: 0,
             so_far: 0,
             is_found: false,
+            is_drawn: false,
         }
     }
 }
@@ -148,6 +193,7 @@ impl Witness for First {
         self.normal = vertex.facing();
         self.id = vertex.id;
         self.is_found = vertex.is_emitter || vertex.material.is_smooth();
+        self.is_drawn |= matches!(vertex.material, Material::Dielectric(_));
     }
 
     fn nothing(&mut self, ray: &Ray, throughput: Radiance) {

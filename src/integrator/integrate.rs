@@ -1,4 +1,4 @@
-use super::{First, features};
+use super::{First, first};
 use crate::camera::FilmPlane;
 use crate::color::Radiance;
 use crate::geom::Ray;
@@ -26,18 +26,10 @@ pub trait Integrator {
 
     /// The same sample in a tile, with what its path met first: for a denoiser.
     ///
-    /// Unless the integrator knows better, that is what [`features`] finds along the ray.
+    /// Unless the integrator knows better, that is what [`first`] finds along the ray.
     fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
         let light = self.radiance(view, ray, sampler, &mut NoSplats, rays);
-        let mut first = First::new();
-        first.normal = -ray.dir;
-        if let Some(found) = features(view.scene, ray) {
-            first.albedo = found.albedo;
-            first.normal = found.normal;
-            first.distance = Some(found.depth);
-            first.id = found.id;
-        }
-        (light, first)
+        (light, first(view.scene, ray, rays))
     }
 }
 

@@ -10,7 +10,7 @@ mod path;
 
 pub use ambient_occlusion::AmbientOcclusion;
 pub use bdpt::{Bdpt, Strategy, Tally};
-pub use features::{Features, First, NoWitness, Witness, features};
+pub use features::{Features, First, NoWitness, Witness, features, first};
 pub use integrate::{Integrator, NoSplats, SplatSink, View};
 pub use light_tracer::LightTracer;
 pub use mis::power_heuristic;

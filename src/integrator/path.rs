@@ -206,6 +206,6 @@ impl Integrator for Path {
     fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
         let mut first = First::new();
         let light = self.follow(view.scene, ray, sampler, rays, &mut first);
-        (light, first)
+        (light, first.settled(view.scene, ray, rays))
     }
 }

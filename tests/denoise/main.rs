@@ -1,3 +1,51 @@
 //! What a denoiser is told, and what it makes of it.
 
 mod features;
+mod filters;
+mod golden;
+mod motion;
+mod twin;
+
+use microlux::color::Radiance;
+use microlux::film::Feature;
+use microlux::film::denoise::{Denoiser, Memory, Size};
+use microlux::film::feature::Irradiance;
+
+fn value(light: Radiance) -> [f64; 3] {
+    let (m, e) = light.to_parts();
+    m.map(|m| f64::from(m) * f64::from(i32::from(e) - 15).exp2())
+}
+
+/// PCG, 32 bits.
+struct Random(u64);
+
+impl Random {
+    fn bits(&mut self) -> u32 {
+        let old = self.0;
+        self.0 = old
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        let word = (((old >> 18) ^ old) >> 27) as u32;
+        word.rotate_right((old >> 59) as u32)
+    }
+
+    fn below(&mut self, n: u32) -> u32 {
+        ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
+    }
+}
+
+/// A denoiser in memory of its own.
+fn with_denoiser<R>(size: Size, work: impl FnOnce(&mut Denoiser) -> R) -> R {
+    let count = size.pixels();
+    let mut frames = [vec![Feature::default(); count], vec![Feature::default(); count]];
+    let mut lengths = [vec![0; count], vec![0; count]];
+    let mut rows = vec![Irradiance::BLACK; 2 * usize::from(size.width)];
+    let [a, b] = &mut frames;
+    let [c, d] = &mut lengths;
+    let memory = Memory {
+        frames: [a, b],
+        lengths: [c, d],
+        rows: &mut rows,
+    };
+    work(&mut Denoiser::new(size, memory).unwrap())
+}

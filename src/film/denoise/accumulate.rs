@@ -1,0 +1,342 @@
+use super::Size;
+use super::weight::{Mean, short_normal, turn};
+use crate::film::Feature;
+use crate::film::feature::{DEPTH_NOTHING, Irradiance};
+
+/// Where a pixel's place was in the frame before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Before {
+    /// Across and down, sixteenths of a pixel: the middle of pixel (x, y) is (16 x + 8, 16 y + 8).
+    pub place: [i32; 2],
+    /// Its distance then, as [`Feature::depth`].
+    pub depth: u8,
+}
+
+/// What the camera did between two frames.
+pub trait Reproject {
+    /// Where what is seen in the middle of pixel (x, y), at this [`Feature::depth`], was before; `None` if out of sight.
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before>;
+}
+
+/// The frame before: its light is what had been gathered up to it.
+#[derive(Debug)]
+pub struct Past<'a, M> {
+    pub frame: &'a [Feature],
+    pub lengths: &'a [u8],
+    pub motion: &'a M,
+}
+
+/// Some rows of the frame, which another core may have the rest of.
+#[derive(Debug)]
+pub struct Band<'a> {
+    pub size: Size,
+    /// Number of the first row.
+    pub first: u16,
+    /// Its pixels; their light is changed.
+    pub rows: &'a mut [Feature],
+    /// How many frames each pixel's light is of: written.
+    pub lengths: &'a mut [u8],
+    /// The light of the row above the band as it was rendered, a row's length; anything where there is none.
+    pub above: &'a mut [Irradiance],
+    /// A row to work in.
+    pub current: &'a mut [Irradiance],
+    /// The light of the row below as it was rendered; empty where there is none.
+    pub below: &'a [Irradiance],
+}
+
+/// A pixel's luminance is at most that of the second brightest of its 3 × 3, times two to this power.
+pub const FIREFLY: u32 = 1;
+
+/// Frames that count: alpha is one over their number, 1/8 at least.
+const MOST: u8 = 8;
+
+/// A tap is the same place if its distance is right to this many codes, 4.4 % each...
+const DEPTH_SLACK: i32 = 3;
+/// ... and its normal is, by one less the cosine in 127ths.
+const TURN_SLACK: u32 = 16;
+
+/// Clamps fireflies and takes the light together with the past, row by row.
+///
+/// `count` tells frames apart: what rounding leaves over is kept by chance, without bias.
+pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) {
+    let Band {
+        size,
+        first,
+        rows,
+        lengths,
+        above,
+        current,
+        below,
+    } = band;
+    let width = size.width as usize;
+    if width == 0 || above.len() < width || current.len() < width {
+        return;
+    }
+    let height = rows.len() / width;
+    for row in 0..height {
+        let from = row * width;
+        for (kept, pixel) in current.iter_mut().zip(rows.get(from..).unwrap_or(&[])) {
+            *kept = pixel.irradiance;
+        }
+        for x in 0..width {
+            let near = Near::read(x, width, |side, dy| match dy {
+                -1 if first as usize + row == 0 => None,
+                -1 => above.get(side).copied(),
+                0 => current.get(side).copied(),
+                _ if row + 1 < height => rows.get(from + width + side).map(|p| p.irradiance),
+                _ => below.get(side).copied(),
+            });
+            let Some(pixel) = rows.get_mut(from + x) else {
+                continue;
+            };
+            let light = near.clamped(pixel.irradiance);
+            let at = (x as u16, first.wrapping_add(row as u16));
+            let (light, length) = match past.and_then(|past| remember(size, past, pixel, at)) {
+                Some((then, length)) => {
+                    let then = if then.is_here {
+                        then.light
+                    } else {
+                        near.around(then.light)
+                    };
+                    let length = (length + 1).min(MOST);
+                    let noise = hash(at.0 as u32 | (at.1 as u32) << 16, count);
+                    (blend(light, then, length as u32, noise), length)
+                }
+                None => (light, 1),
+            };
+            pixel.irradiance = light;
+            if let Some(place) = lengths.get_mut(from + x) {
+                *place = length;
+            }
+        }
+        above[..width].copy_from_slice(&current[..width]);
+    }
+}
+
+/// What is known of the light about a pixel.
+struct Near {
+    /// The two largest luminances of the 3 × 3, as lights.
+    first: (u32, i32),
+    second: (u32, i32),
+    /// Largest of each channel, and least exponent they are under.
+    most: [u32; 3],
+    exponent: i32,
+}
+
+/// Channel times 2^exponent as mantissa under a common exponent.
+#[inline]
+fn luma(light: Irradiance) -> (u32, i32) {
+    let ([r, g, b], exponent) = light.to_parts();
+    (54 * r + 183 * g + 19 * b, exponent)
+}
+
+/// Whether one luminance is more than another.
+#[inline]
+fn is_more(a: (u32, i32), b: (u32, i32)) -> bool {
+    // raw: under 2^17, so 14 bits of difference fit; beyond them only 0 is not less.
+    let gap = a.1 - b.1;
+    if gap >= 0 {
+        if gap > 14 { a.0 > 0 } else { (a.0 << gap) > b.0 }
+    } else if gap < -14 {
+        b.0 == 0 && a.0 > 0
+    } else {
+        a.0 > (b.0 << -gap)
+    }
+}
+
+impl Near {
+    #[inline]
+    fn read(x: usize, width: usize, light: impl Fn(usize, i32) -> Option<Irradiance>) -> Near {
+        let mut near = Near {
+            first: (0, -24),
+            second: (0, -24),
+            most: [0; 3],
+            exponent: -24,
+        };
+        let mut all = [Irradiance::BLACK; 9];
+        let mut found = 0;
+        for dy in -1..=1 {
+            for side in x.saturating_sub(1)..=(x + 1).min(width - 1) {
+                let Some(light) = light(side, dy) else { continue };
+                if let Some(place) = all.get_mut(found) {
+                    *place = light;
+                    found += 1;
+                }
+                let y = luma(light);
+                if is_more(y, near.first) {
+                    near.second = near.first;
+                    near.first = y;
+                } else if is_more(y, near.second) {
+                    near.second = y;
+                }
+                near.exponent = near.exponent.max(light.to_parts().1);
+            }
+        }
+        for light in all.iter().take(found) {
+            let (m, exponent) = light.to_parts();
+            let gap = (near.exponent - exponent).clamp(0, 31);
+            for (most, m) in near.most.iter_mut().zip(m) {
+                *most = (*most).max((m << 8) >> gap);
+            }
+        }
+        near
+    }
+
+    /// The light, made darker by whole octaves until it is no firefly.
+    #[inline]
+    fn clamped(&self, light: Irradiance) -> Irradiance {
+        let (y, mut exponent) = luma(light);
+        let limit = (self.second.0, self.second.1 + FIREFLY as i32);
+        let mut down = 0;
+        while down < 40 && is_more((y, exponent), limit) {
+            exponent -= 1;
+            down += 1;
+        }
+        if down == 0 {
+            return light;
+        }
+        let (m, exponent) = light.to_parts();
+        Irradiance::from_bits(m, exponent - down)
+    }
+
+    /// Light of another place, at most twice the brightest here, by channel.
+    #[inline]
+    fn around(&self, light: Irradiance) -> Irradiance {
+        let (m, exponent) = light.to_parts();
+        let up = exponent - self.exponent;
+        let limited = |i: usize| {
+            // Both in 256ths of the exponent here. raw: under 2^17 before, and 2^14 more.
+            let bits = if up >= 14 {
+                u32::MAX >> 1
+            } else if up >= 0 {
+                m[i] << 8 << up
+            } else {
+                (m[i] << 8) >> (-up).min(31)
+            };
+            if m[i] == 0 { 0 } else { bits.min(2 * self.most[i]) }
+        };
+        let bits = [limited(0), limited(1), limited(2)];
+        // As it was, to the last bit, where nothing is too much.
+        let whole = |i: usize| {
+            if up >= 0 {
+                m[i] << 8 << up.min(14)
+            } else {
+                (m[i] << 8) >> (-up).min(31)
+            }
+        };
+        if up < 14 && bits == [whole(0), whole(1), whole(2)] {
+            return light;
+        }
+        Irradiance::from_bits(bits, self.exponent - 8)
+    }
+}
+
+/// Light remembered.
+struct Then {
+    light: Irradiance,
+    /// Of the very same pixel.
+    is_here: bool,
+}
+
+/// What the past knows of a pixel, and of how many frames.
+#[inline]
+fn remember<M: Reproject>(
+    size: Size,
+    past: &Past<M>,
+    pixel: &Feature,
+    (x, y): (u16, u16),
+) -> Option<(Then, u8)> {
+    let Before { place, depth } = past.motion.before(x, y, pixel.depth)?;
+    // The four pixels whose middles are about it.
+    let corner = place.map(|c| c.wrapping_sub(8));
+    let (left, top) = (corner[0] >> 4, corner[1] >> 4);
+    let part = corner.map(|c| (c & 15) as u32);
+    let normal = short_normal(pixel);
+    let mut taps = [(Irradiance::BLACK, 0u32); 4];
+    let mut mean = Mean::new();
+    let mut lengths = 0;
+    for (i, tap) in taps.iter_mut().enumerate() {
+        let (dx, dy) = (i as i32 & 1, i as i32 >> 1);
+        let (tx, ty) = (left + dx, top + dy);
+        let across = if dx == 0 { 16 - part[0] } else { part[0] };
+        let down = if dy == 0 { 16 - part[1] } else { part[1] };
+        let weight = across * down;
+        let is_inside = (0..size.width as i32).contains(&tx) && (0..size.height as i32).contains(&ty);
+        if weight == 0 || !is_inside {
+            continue;
+        }
+        let number = ty as usize * size.width as usize + tx as usize;
+        let (Some(was), Some(length)) = (past.frame.get(number), past.lengths.get(number)) else {
+            continue;
+        };
+        if was.id != pixel.id || !is_near(was.depth, depth) || turn(short_normal(was), normal) > TURN_SLACK {
+            continue;
+        }
+        *tap = (was.irradiance, weight);
+        mean.see(was.irradiance);
+        // 15 at most, so that memory with anything in it does no harm.
+        lengths += (*length).min(15) as u32 * weight;
+    }
+    for (light, weight) in taps {
+        if weight > 0 {
+            mean.add(light, weight);
+        }
+    }
+    // An eighth of the pixel is not enough to speak for it.
+    if mean.weight() < 32 {
+        return None;
+    }
+    let length = (lengths / mean.weight()) as u8;
+    let is_here = part == [0; 2] && (left, top) == (x as i32, y as i32);
+    Some((
+        Then {
+            light: mean.light(),
+            is_here,
+        },
+        length,
+    ))
+}
+
+#[inline]
+fn is_near(a: u8, b: u8) -> bool {
+    (a == DEPTH_NOTHING) == (b == DEPTH_NOTHING) && (a as i32 - b as i32).abs() <= DEPTH_SLACK
+}
+
+/// `then + (light − then)/n`, what is left over kept with a chance of its size; equal lights give themselves.
+#[inline]
+fn blend(light: Irradiance, then: Irradiance, n: u32, noise: u32) -> Irradiance {
+    let ((a, ea), (b, eb)) = (light.to_parts(), then.to_parts());
+    let exponent = ea.max(eb);
+    // Tenths of a bit: raw: under 2^9 · 2^16 · 2^3.
+    let wide = |m: u32, e: i32| (m << 16) >> (exponent - e).clamp(0, 31);
+    let mixed = |i: usize| {
+        let sum = wide(a[i], ea) + wide(b[i], eb) * n.saturating_sub(1);
+        // raw: under 2^25 after the division by 1 ..= 8
+        (sum + n / 2) / n.max(1)
+    };
+    let bits = [mixed(0), mixed(1), mixed(2)];
+    dithered(bits, exponent - 16, noise)
+}
+
+/// [`Irradiance::from_bits`] that rounds up with a chance of what is left over.
+#[inline]
+fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Irradiance {
+    let all = bits[0] | bits[1] | bits[2];
+    let filled = 32 - crate::num::leading_zeros(all) as i32;
+    let shift = (filled - 9).max(-24 - exponent).clamp(0, 31) as u32;
+    let mask = (1u32 << shift) - 1;
+    // A chance for each channel.
+    let up = |i: u32| noise.rotate_left(11 * i) & mask;
+    let rounded = [0, 1, 2].map(|i| ((bits[i as usize] + up(i)) >> shift) << shift);
+    Irradiance::from_bits(rounded, exponent)
+}
+
+/// PCG's output function of a place and a frame.
+#[inline]
+fn hash(place: u32, count: u32) -> u32 {
+    let state = place
+        .wrapping_mul(747_796_405)
+        .wrapping_add(count.wrapping_mul(2_891_336_453) | 1);
+    let word = ((state >> ((state >> 28) + 4)) ^ state).wrapping_mul(277_803_737);
+    (word >> 22) ^ word
+}

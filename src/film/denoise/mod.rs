@@ -1,0 +1,236 @@
+//! From noisy [`Feature`]s to a clean picture, in integers, in memory that the caller lends.
+//!
+//! ```text
+//! Renderer::feature_tile -> firefly clamp, history (accumulate) -> Filter (a-trous) -> times albedo
+//!                                  ^ where a pixel was: Reproject      `-> twice the size: upsample, times its albedo
+//! ```
+//!
+//! All of it works on light before the albedo, so that no edge of a texture is blurred. Each pass writes rows that no
+//! other row of the same pass reads: bands of rows may be made in any order, by several cores, and the bits are the same.
+//!
+//! RAM: 26 bytes a pixel ([`Memory`]) and two rows of light.
+
+mod accumulate;
+mod atrous;
+mod upsample;
+mod weight;
+
+pub use accumulate::{Band, Before, FIREFLY, Past, Reproject, accumulate};
+pub use atrous::{Atrous, Whole, beside};
+pub use upsample::upsample;
+
+use super::Feature;
+use super::feature::Irradiance;
+use crate::color::Radiance;
+use zerocopy::{FromBytes, IntoBytes};
+
+/// Width and height, pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    pub width: u16,
+    pub height: u16,
+}
+
+impl Size {
+    pub const fn pixels(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The number of pixel (x, y), row by row; the nearest where there is none.
+    #[inline]
+    fn clamped(self, x: i32, y: i32) -> usize {
+        let x = x.clamp(0, (self.width as i32 - 1).max(0)) as usize;
+        let y = y.clamp(0, (self.height as i32 - 1).max(0)) as usize;
+        y * self.width as usize + x
+    }
+}
+
+/// What a [`Denoiser`] works in; each slice at least as long as its line says.
+#[derive(Debug)]
+pub struct Memory<'m> {
+    /// A pixel each.
+    pub frames: [&'m mut [Feature]; 2],
+    /// A pixel each.
+    pub lengths: [&'m mut [u8]; 2],
+    /// Two rows.
+    pub rows: &'m mut [Irradiance],
+}
+
+/// Memory that does not suffice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TooShort {
+    /// Which slice of [`Memory`].
+    pub slice: &'static str,
+    /// How long it has to be.
+    pub needed: usize,
+}
+
+impl core::fmt::Display for TooShort {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "`{}` is too short: {} are needed", self.slice, self.needed)
+    }
+}
+
+impl core::error::Error for TooShort {}
+
+/// What makes smooth light of noisy light: within one frame, led by its features.
+pub trait Filter {
+    /// Filters `frame`'s irradiance; the answer is in `scratch.light`.
+    ///
+    /// `lengths` has how many frames each pixel's light is of, 1 ..= 8.
+    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch);
+}
+
+/// Lets light through as it is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Off;
+
+impl Filter for Off {
+    fn filter(&mut self, _: Size, frame: &[Feature], _: &[u8], scratch: Scratch) {
+        for (light, pixel) in scratch.light.iter_mut().zip(frame) {
+            *light = pixel.irradiance;
+        }
+    }
+}
+
+/// Room for a filter, three planes of four bytes a pixel.
+#[derive(Debug)]
+pub struct Scratch<'a> {
+    pub light: &'a mut [Irradiance],
+    pub other: &'a mut [Irradiance],
+    pub aside: &'a mut [[u8; 4]],
+}
+
+impl<'a> Scratch<'a> {
+    /// In the place of pixels that are not needed meanwhile.
+    pub fn over(pixels: &'a mut [Feature]) -> Scratch<'a> {
+        let count = pixels.len();
+        let (light, rest) = pixels.as_mut_bytes().split_at_mut(4 * count);
+        let (other, aside) = rest.split_at_mut(4 * count);
+        // Four bytes each and as well aligned as a pixel: the casts cannot fail.
+        Scratch {
+            light: <[Irradiance]>::mut_from_bytes(light).unwrap_or(&mut []),
+            other: <[Irradiance]>::mut_from_bytes(other).unwrap_or(&mut []),
+            aside: <[[u8; 4]]>::mut_from_bytes(aside).unwrap_or(&mut []),
+        }
+    }
+}
+
+/// One frame after another: holds what is remembered of the last.
+///
+/// Render into [`Self::frame`], then [`Self::denoise`], then show [`Clean::pixel`]s.
+#[derive(Debug)]
+pub struct Denoiser<'m> {
+    size: Size,
+    now: &'m mut [Feature],
+    before: &'m mut [Feature],
+    lengths: &'m mut [u8],
+    lengths_before: &'m mut [u8],
+    rows: &'m mut [Irradiance],
+    /// Frames so far, wrapping; those before this one are in `before` unless it is the first.
+    count: u32,
+    has_history: bool,
+}
+
+impl<'m> Denoiser<'m> {
+    /// The border: past it nothing fails.
+    pub fn new(size: Size, memory: Memory<'m>) -> Result<Denoiser<'m>, TooShort> {
+        let needed = size.pixels();
+        let [now, before] = memory.frames;
+        let [lengths, lengths_before] = memory.lengths;
+        let short = |slice, needed| TooShort { slice, needed };
+        Ok(Denoiser {
+            size,
+            now: now.get_mut(..needed).ok_or(short("frames[0]", needed))?,
+            before: before.get_mut(..needed).ok_or(short("frames[1]", needed))?,
+            lengths: lengths.get_mut(..needed).ok_or(short("lengths[0]", needed))?,
+            lengths_before: lengths_before
+                .get_mut(..needed)
+                .ok_or(short("lengths[1]", needed))?,
+            rows: memory
+                .rows
+                .get_mut(..2 * size.width as usize)
+                .ok_or(short("rows", 2 * size.width as usize))?,
+            count: 0,
+            has_history: false,
+        })
+    }
+
+    pub fn size(&self) -> Size {
+        self.size
+    }
+
+    /// Where the next frame is rendered to, row by row. What was shown of the last one is gone with the first write.
+    pub fn frame(&mut self) -> &mut [Feature] {
+        self.now
+    }
+
+    /// Forgets what was seen: a cut.
+    pub fn forget(&mut self) {
+        self.has_history = false;
+    }
+
+    /// Takes the frame together with the history, if `motion` says where its places were, and filters.
+    ///
+    /// Answers with the clean frame; the next one is rendered after that was shown.
+    pub fn denoise<'d>(&'d mut self, motion: Option<&impl Reproject>, filter: &mut impl Filter) -> Clean<'d> {
+        let motion = if self.has_history { motion } else { None };
+        let past = motion.map(|motion| Past {
+            frame: self.before,
+            lengths: self.lengths_before,
+            motion,
+        });
+        let (above, current) = self.rows.split_at_mut(self.size.width as usize);
+        accumulate(
+            Band {
+                size: self.size,
+                first: 0,
+                rows: self.now,
+                lengths: self.lengths,
+                above,
+                current,
+                below: &[],
+            },
+            past.as_ref(),
+            self.count,
+        );
+        self.count = self.count.wrapping_add(1);
+        self.has_history = true;
+        // The last frame is not needed any more: its place is the filter's, and the next frame's after that.
+        core::mem::swap(&mut self.now, &mut self.before);
+        core::mem::swap(&mut self.lengths, &mut self.lengths_before);
+        let scratch = Scratch::over(self.now);
+        filter.filter(self.size, self.before, self.lengths_before, scratch);
+        Clean {
+            size: self.size,
+            frame: self.before,
+            light: Scratch::over(self.now).light,
+        }
+    }
+}
+
+/// A frame without its noise.
+#[derive(Clone, Copy, Debug)]
+pub struct Clean<'d> {
+    pub size: Size,
+    pub frame: &'d [Feature],
+    pub light: &'d [Irradiance],
+}
+
+impl Clean<'_> {
+    /// A pixel's light; black beside the picture.
+    #[inline]
+    pub fn pixel(&self, x: u16, y: u16) -> Radiance {
+        let place = y as usize * self.size.width as usize + x as usize;
+        match (self.light.get(place), self.frame.get(place)) {
+            (Some(light), Some(pixel)) if x < self.size.width => light.decode().mul_albedo(pixel.albedo()),
+            _ => Radiance::BLACK,
+        }
+    }
+
+    /// A pixel of a picture twice as wide and high, whose own first hit is `guide`: see [`upsample`].
+    #[inline]
+    pub fn pixel_2x(&self, x: u16, y: u16, guide: &Feature) -> Radiance {
+        upsample(self.size, self.frame, self.light, [x, y], guide).mul_albedo(guide.albedo())
+    }
+}

@@ -1,0 +1,106 @@
+//! How much one pixel may say of another: half-lives add up, one table makes a weight of them.
+
+use super::super::Feature;
+use super::super::feature::Irradiance;
+use crate::num::{leading_zeros, recip};
+
+/// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
+pub(super) static FALL: [u8; 64] = [
+    64, 59, 54, 49, 45, 41, 38, 35, 32, 29, 27, 25, 23, 21, 19, 17, 16, 15, 13, 12, 11, 10, 10, 9, 8, 7, 7,
+    6, 6, 5, 5, 4, 4, 4, 3, 3, 3, 3, 2, 2, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0,
+    0, 0,
+];
+
+/// [`FALL`] of what is too far.
+pub(super) const FAR: u32 = 63;
+
+/// A unit vector in 127ths.
+#[inline]
+pub(super) fn short_normal(pixel: &Feature) -> [i8; 3] {
+    pixel
+        .normal
+        .decode()
+        .0
+        .map(|c| ((c * 127 + (1 << 15)) >> 16) as i8)
+}
+
+/// One less the cosine between two of these, 0 ..= 127: a right angle and more is 127.
+#[inline]
+pub(super) fn turn(a: [i8; 3], b: [i8; 3]) -> u32 {
+    let dot: i32 = (0..3).map(|i| a[i] as i32 * b[i] as i32).sum();
+    ((127 * 127 - dot).max(0) >> 7).min(127) as u32
+}
+
+/// The logarithm of luminance, eighths of an octave from 2^-15 (1) on; 0 for black.
+///
+/// Between whole eighths by the mantissa itself: off by 0.09 octave at most.
+#[inline]
+pub(super) fn luma_code(light: Irradiance) -> u8 {
+    let ([r, g, b], exponent) = light.to_parts();
+    // raw: under 2^17
+    let y = 54 * r + 183 * g + 19 * b;
+    if y == 0 {
+        return 0;
+    }
+    let zeros = leading_zeros(y);
+    let eighth = ((y << zeros) >> 28) & 7;
+    let octave = 31 - zeros as i32 + exponent - 8 + 15;
+    (1 + 8 * octave + eighth as i32).clamp(1, 255) as u8
+}
+
+/// A weighted mean of lights, its sum in 32 bits.
+///
+/// Weights add up to 2^14 at most. Lights are first shown, [`Self::see`], then added: those under the largest shown
+/// lose what is less than 2^-18 of it.
+#[derive(Clone, Copy)]
+pub(super) struct Mean {
+    sum: [u32; 3],
+    weight: u32,
+    exponent: i32,
+}
+
+impl Mean {
+    pub(super) const fn new() -> Mean {
+        Mean {
+            sum: [0; 3],
+            weight: 0,
+            exponent: -24,
+        }
+    }
+
+    #[inline]
+    pub(super) fn see(&mut self, light: Irradiance) {
+        self.exponent = self.exponent.max(light.to_parts().1);
+    }
+
+    #[inline]
+    pub(super) fn add(&mut self, light: Irradiance, weight: u32) {
+        let (m, exponent) = light.to_parts();
+        let gap = (self.exponent - exponent).clamp(0, 31);
+        for (sum, m) in self.sum.iter_mut().zip(m) {
+            // raw: (511 · 2^9) · 2^14 < 2^32
+            *sum = sum.wrapping_add(((m << 9) >> gap) * weight);
+        }
+        self.weight += weight;
+    }
+
+    pub(super) fn weight(&self) -> u32 {
+        self.weight
+    }
+
+    /// Sum over weight as channels and their exponent; equal lights give themselves when rounded to nine bits.
+    #[inline]
+    pub(super) fn divided(&self) -> ([u32; 3], i32) {
+        let r = recip(self.weight);
+        // All the bits there are: what the product's low word would have had is 2^-31 of the largest.
+        let zeros = leading_zeros(self.sum[0] | self.sum[1] | self.sum[2] | 1);
+        let bits = self.sum.map(|sum| crate::num::mul_hi(sum << zeros, r.mantissa));
+        (bits, self.exponent - 9 + 32 - r.shift as i32 - zeros as i32)
+    }
+
+    #[inline]
+    pub(super) fn light(&self) -> Irradiance {
+        let (bits, exponent) = self.divided();
+        Irradiance::from_bits(bits, exponent)
+    }
+}

@@ -1,0 +1,409 @@
+use crate::{Random, value, with_denoiser};
+use microlux::color::Radiance;
+use microlux::film::Feature;
+use microlux::film::denoise::{
+    Atrous, Band, Before, Denoiser, Filter, Memory, Off, Past, Reproject, Scratch, Size, TooShort, Whole,
+    accumulate, beside, upsample,
+};
+use microlux::film::feature::{ID_NOTHING, Irradiance};
+use microlux::geom::Octahedral;
+
+const SIZE: Size = Size {
+    width: 23,
+    height: 17,
+};
+
+/// Nothing moves.
+struct Still;
+
+impl Reproject for Still {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        Some(Before {
+            place: [x, y].map(|c| 16 * i32::from(c) + 8),
+            depth,
+        })
+    }
+}
+
+/// Everything was this far to the right and down, sixteenths.
+struct Shift([i32; 2]);
+
+impl Reproject for Shift {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        let place = [
+            16 * i32::from(x) + 8 + self.0[0],
+            16 * i32::from(y) + 8 + self.0[1],
+        ];
+        Some(Before { place, depth })
+    }
+}
+
+/// Anything at all.
+struct Wild(u32);
+
+impl Reproject for Wild {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        let mut random = Random(u64::from(self.0) << 32 | u64::from(x) << 16 | u64::from(y));
+        match random.below(8) {
+            0 => None,
+            1 => Some(Before {
+                place: [random.bits() as i32, random.bits() as i32],
+                depth: random.bits() as u8,
+            }),
+            2 => Some(Before {
+                place: [i32::MIN, i32::MAX],
+                depth,
+            }),
+            _ => Some(Before {
+                place: [random.below(400) as i32, random.below(300) as i32],
+                depth,
+            }),
+        }
+    }
+}
+
+fn light(rgb: [u32; 3], exponent: i32) -> Irradiance {
+    Irradiance::encode(Radiance::from_bits(rgb, exponent))
+}
+
+/// Pixels of a wall with something before it, lit by noise of `spread` octaves about 1.
+fn scene(random: &mut Random, spread: u32) -> Vec<Feature> {
+    let pixel = |i: usize| {
+        let (x, y) = (i % usize::from(SIZE.width), i / usize::from(SIZE.width));
+        let is_near = (6..14).contains(&x) && (4..12).contains(&y);
+        let mut bits = || ((1 << 14) + random.below(1 << 14)) << random.below(spread);
+        Feature {
+            irradiance: light([bits(), bits(), bits()], -15),
+            albedo: [(40 + 9 * x) as u8, 200, 255 - 7 * y as u8],
+            depth: if is_near { 90 } else { 120 },
+            normal: Octahedral(if is_near { [0, 127] } else { [20, 30] }),
+            id: u16::from(is_near),
+        }
+    };
+    (0..SIZE.pixels()).map(pixel).collect()
+}
+
+/// All bytes drawn by lot; many of them extremes.
+fn hostile(random: &mut Random) -> Feature {
+    let mut word = || match random.below(4) {
+        0 => 0,
+        1 => u32::MAX,
+        _ => random.bits(),
+    };
+    let (a, b) = (word(), word());
+    Feature {
+        irradiance: Irradiance(word()),
+        albedo: [a as u8, (a >> 8) as u8, (a >> 16) as u8],
+        depth: (a >> 24) as u8,
+        normal: Octahedral([b as i8, (b >> 8) as i8]),
+        id: if b >> 30 == 0 {
+            ID_NOTHING
+        } else {
+            (b >> 16) as u16 & 3
+        },
+    }
+}
+
+#[test]
+fn an_even_light_stays_as_it_is_in_every_filter() {
+    let mut random = Random(1);
+    for color in [[1, 1, 1], [255, 3, 0], [511, 510, 1], [300, 0, 0], [0, 0, 0]] {
+        for exponent in [-24, -9, 0, 5] {
+            let even = light(color, exponent);
+            let mut pixels = scene(&mut random, 1);
+            pixels.iter_mut().for_each(|p| p.irradiance = even);
+            with_denoiser(SIZE, |denoiser| {
+                for frame in 0..12 {
+                    denoiser.frame().copy_from_slice(&pixels);
+                    let motion = Shift([frame * 5, -frame * 3]);
+                    let mut filter = Atrous::for_spp(1 + frame as u32 % 4);
+                    let clean = denoiser.denoise(Some(&motion), &mut filter);
+                    assert!(
+                        clean.light.iter().all(|l| *l == even),
+                        "{color:?} {exponent} {frame}"
+                    );
+                    assert!(clean.frame.iter().all(|p| p.irradiance == even));
+                    for (x, y) in [(0, 0), (13, 8), (45, 33), (12, 7)] {
+                        let guide = pixels[random.below(SIZE.pixels() as u32) as usize];
+                        let fine = upsample(SIZE, clean.frame, clean.light, [x, y], &guide);
+                        assert_eq!(fine, even.decode(), "{color:?} {exponent}");
+                    }
+                }
+            });
+        }
+    }
+}
+
+#[test]
+fn edges_of_the_albedo_are_kept_exactly() {
+    let mut random = Random(2);
+    let mut pixels = scene(&mut random, 1);
+    let even = light([1 << 15, 1 << 14, 1 << 13], -15);
+    pixels.iter_mut().for_each(|p| p.irradiance = even);
+    with_denoiser(SIZE, |denoiser| {
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(1));
+        for (i, pixel) in pixels.iter().enumerate() {
+            let (x, y) = (i as u16 % SIZE.width, i as u16 / SIZE.width);
+            assert_eq!(clean.pixel(x, y), even.decode().mul_albedo(pixel.albedo()));
+        }
+        assert_eq!(clean.pixel(SIZE.width, 0), Radiance::BLACK);
+        assert_eq!(clean.pixel(0, SIZE.height), Radiance::BLACK);
+    });
+}
+
+#[test]
+fn frames_of_a_camera_at_rest_are_their_mean() {
+    let mut random = Random(3);
+    let frames: Vec<_> = (0..8).map(|_| scene(&mut random, 1)).collect();
+    let mut worst = 0f64;
+    let mut bias = 0f64;
+    with_denoiser(SIZE, |denoiser| {
+        for (n, pixels) in frames.iter().enumerate() {
+            denoiser.frame().copy_from_slice(pixels);
+            let clean = denoiser.denoise(Some(&Still), &mut Off);
+            for (i, (pixel, out)) in clean.frame.iter().zip(clean.light).enumerate() {
+                assert_eq!(pixel.irradiance, *out);
+                let got = value(out.decode());
+                for (c, got) in got.into_iter().enumerate() {
+                    let mean = frames[..=n]
+                        .iter()
+                        .map(|f| value(f[i].irradiance.decode())[c])
+                        .sum::<f64>()
+                        / (n + 1) as f64;
+                    // Steps of the largest channel, which is under 2: 2^-8.
+                    worst = worst.max((got - mean).abs() * 256.0);
+                    bias += (got - mean) * 256.0;
+                }
+            }
+        }
+    });
+    // Eight roundings, by chance, of a step each at most and an n-th of what was before.
+    assert!(worst < 3.0, "{worst}");
+    let count = (frames.len() * SIZE.pixels() * 3) as f64;
+    assert!((bias / count).abs() < 0.02, "{}", bias / count);
+}
+
+#[test]
+fn fireflies_are_brought_down_to_their_neighbours() {
+    let mut random = Random(4);
+    let mut pixels = scene(&mut random, 1);
+    let at = 5 * usize::from(SIZE.width) + 18;
+    pixels[at].irradiance = light([1 << 25, 1 << 25, 1 << 24], -15);
+    with_denoiser(SIZE, |denoiser| {
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(None::<&Still>, &mut Off);
+        let [r, g, b] = value(clean.light[at].decode());
+        // Neighbours are under 1: twice that at most, more than their half, and of the same colour.
+        assert!(
+            r == g && (b / r - 0.5).abs() < 0.01 && r < 2.1 && r > 0.5,
+            "{r} {g} {b}"
+        );
+        let others = pixels
+            .iter()
+            .zip(clean.light)
+            .enumerate()
+            .filter(|(i, _)| *i != at);
+        assert!(others.filter(|(_, (p, l))| p.irradiance != **l).count() == 0);
+    });
+}
+
+#[test]
+fn what_was_uncovered_has_no_past() {
+    let mut random = Random(5);
+    let pixels = scene(&mut random, 1);
+    let bright: Vec<_> = pixels
+        .iter()
+        .map(|p| Feature {
+            irradiance: light([40 << 15; 3], -15),
+            id: 7,
+            ..*p
+        })
+        .collect();
+    with_denoiser(SIZE, |denoiser| {
+        denoiser.frame().copy_from_slice(&bright);
+        denoiser.denoise(Some(&Still), &mut Off);
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(Some(&Still), &mut Off);
+        assert!(clean.light.iter().zip(&pixels).all(|(l, p)| *l == p.irradiance));
+        // And from outside of the picture nothing comes in.
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(Some(&Shift([16 * i32::from(SIZE.width), 0])), &mut Off);
+        assert!(clean.light.iter().zip(&pixels).all(|(l, p)| *l == p.irradiance));
+    });
+}
+
+/// Bands of these many rows, the lowest first, then a-trous steps of such bands.
+fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Irradiance> {
+    let width = usize::from(SIZE.width);
+    let raw: Vec<_> = pixels.iter().map(|p| p.irradiance).collect();
+    let mut frame = pixels.to_vec();
+    let mut lengths = vec![0; frame.len()];
+    let past_lengths: Vec<u8> = (0..frame.len()).map(|i| i as u8 % 9).collect();
+    let motion = Shift([5, -9]);
+    let past = Past {
+        frame: past,
+        lengths: &past_lengths,
+        motion: &motion,
+    };
+    for first in (0..SIZE.height).step_by(usize::from(rows)).rev() {
+        let last = (first + rows).min(SIZE.height);
+        let range = usize::from(first) * width..usize::from(last) * width;
+        let mut above = match range.start {
+            0 => vec![Irradiance(u32::MAX); width],
+            start => raw[start - width..start].to_vec(),
+        };
+        let band = Band {
+            size: SIZE,
+            first,
+            rows: &mut frame[range.clone()],
+            lengths: &mut lengths[range.clone()],
+            above: &mut above,
+            current: &mut vec![Irradiance::BLACK; width],
+            below: raw.get(range.end..range.end + width).unwrap_or(&[]),
+        };
+        accumulate(band, Some(&past), 3);
+    }
+    let mut light: Vec<_> = frame.iter().map(|p| p.irradiance).collect();
+    let filter = Atrous::for_spp(4);
+    for step in 0..filter.steps {
+        let aside: Vec<_> = frame.iter().zip(&light).map(|(p, l)| beside(p, *l)).collect();
+        let mut to = vec![Irradiance::BLACK; light.len()];
+        for first in (0..SIZE.height).step_by(usize::from(rows)).rev() {
+            let last = (first + rows).min(SIZE.height);
+            let range = usize::from(first) * width..usize::from(last) * width;
+            let whole = Whole {
+                size: SIZE,
+                frame: &frame,
+                lengths: &lengths,
+                aside: &aside,
+                light: &light,
+            };
+            filter.rows(step, whole, first, &mut to[range]);
+        }
+        light = to;
+    }
+    light
+}
+
+#[test]
+fn bands_of_any_height_are_the_same_picture() {
+    let mut random = Random(6);
+    let (pixels, past) = (scene(&mut random, 6), scene(&mut random, 3));
+    let whole = in_bands(&pixels, &past, SIZE.height);
+    for rows in [1, 2, 3, SIZE.height.div_ceil(2)] {
+        assert!(in_bands(&pixels, &past, rows) == whole, "{rows}");
+    }
+    // And the one that a denoiser makes by itself.
+    with_denoiser(SIZE, |denoiser| {
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(4));
+        let mut light = vec![Irradiance::BLACK; pixels.len()];
+        let mut frame = clean.frame.to_vec();
+        let mut scratch = frame.clone();
+        let lengths = vec![1; frame.len()];
+        Atrous::for_spp(4).filter(SIZE, &frame, &lengths, Scratch::over(&mut scratch));
+        light.copy_from_slice(Scratch::over(&mut scratch).light);
+        assert!(clean.light == light);
+        frame.clear();
+    });
+}
+
+#[test]
+fn anything_at_all_goes_through() {
+    let mut random = Random(7);
+    for round in 0..60 {
+        let size = Size {
+            width: random.below(12) as u16,
+            height: random.below(9) as u16,
+        };
+        with_denoiser(size, |denoiser| {
+            for frame in 0..4 {
+                denoiser
+                    .frame()
+                    .iter_mut()
+                    .for_each(|p| *p = hostile(&mut random));
+                let mut filter = Atrous {
+                    steps: random.bits() as u8,
+                    normal: random.bits() as u8,
+                    depth: random.bits() as u8,
+                    luma: [0; 5].map(|_| random.bits() as u8),
+                    id: random.bits() as u8,
+                };
+                let clean = denoiser.denoise(Some(&Wild(round * 4 + frame)), &mut filter);
+                for _ in 0..20 {
+                    let guide = hostile(&mut random);
+                    let [x, y] = [random.bits() as u16, random.bits() as u16];
+                    clean.pixel_2x(x, y, &guide);
+                    clean.pixel_2x(x % 24, y % 18, &guide);
+                    clean.pixel(x, y);
+                }
+            }
+        });
+    }
+}
+
+#[test]
+fn memory_that_is_too_short_is_named() {
+    let size = Size { width: 4, height: 3 };
+    let told = |lens: [usize; 5]| {
+        let mut frames = [
+            vec![Feature::default(); lens[0]],
+            vec![Feature::default(); lens[1]],
+        ];
+        let mut lengths = [vec![0; lens[2]], vec![0; lens[3]]];
+        let mut rows = vec![Irradiance::BLACK; lens[4]];
+        let [a, b] = &mut frames;
+        let [c, d] = &mut lengths;
+        let memory = Memory {
+            frames: [a, b],
+            lengths: [c, d],
+            rows: &mut rows,
+        };
+        Denoiser::new(size, memory).map(|_| ())
+    };
+    assert_eq!(told([12, 12, 12, 12, 8]), Ok(()));
+    let short = |slice, needed| Err(TooShort { slice, needed });
+    assert_eq!(told([11, 12, 12, 12, 8]), short("frames[0]", 12));
+    assert_eq!(told([12, 11, 12, 12, 8]), short("frames[1]", 12));
+    assert_eq!(told([12, 12, 11, 12, 8]), short("lengths[0]", 12));
+    assert_eq!(told([12, 12, 12, 11, 8]), short("lengths[1]", 12));
+    assert_eq!(told([12, 12, 12, 12, 7]), short("rows", 8));
+    let text = told([12, 12, 12, 12, 7]).unwrap_err().to_string();
+    assert_eq!(text, "`rows` is too short: 8 are needed");
+}
+
+/// Noise that a filter may take away, across an edge that it may not.
+#[test]
+fn noise_goes_and_edges_stay() {
+    let mut random = Random(8);
+    let mut pixels = scene(&mut random, 1);
+    for pixel in &mut pixels {
+        if pixel.id == 1 {
+            let (m, e) = pixel.irradiance.to_parts();
+            pixel.irradiance = Irradiance::from_bits(m, e + 4);
+        }
+    }
+    with_denoiser(SIZE, |denoiser| {
+        denoiser.frame().copy_from_slice(&pixels);
+        let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(1));
+        for id in [0, 1] {
+            let spread = |of: &dyn Fn(usize) -> f64| {
+                let all: Vec<_> = (0..pixels.len())
+                    .filter(|i| pixels[*i].id == id)
+                    .map(of)
+                    .collect();
+                let mean = all.iter().sum::<f64>() / all.len() as f64;
+                let square = all.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / all.len() as f64;
+                (mean, square.sqrt() / mean)
+            };
+            let (mean, noise) = spread(&|i| value(pixels[i].irradiance.decode())[1]);
+            let (mean_after, noise_after) = spread(&|i| value(clean.light[i].decode())[1]);
+            assert!(noise_after < 0.25 * noise, "{id}: {noise} {noise_after}");
+            assert!(
+                (mean_after / mean - 1.0).abs() < 0.03,
+                "{id}: {mean} {mean_after}"
+            );
+        }
+    });
+}

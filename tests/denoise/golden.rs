@@ -1,0 +1,112 @@
+//! The same bits everywhere, of denoised pictures: `tests/golden_denoise.txt` is the record.
+
+use crate::with_denoiser;
+use microlux::camera::Camera;
+use microlux::color::Radiance;
+use microlux::film::denoise::{Atrous, Size};
+use microlux::geom::{Dir, Point};
+use microlux::integrator::Path;
+use microlux::render::{Motion, Renderer, Settings};
+use microlux::sampler::Sobol;
+use microlux::scene::Scene;
+use microlux::scene::builtin::Builtin;
+
+const SIZE: Size = Size {
+    width: 24,
+    height: 20,
+};
+const FRAMES: u32 = 4;
+
+const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden_denoise.txt");
+const HEADER: &str = "\
+# Golden denoised pictures: 24 x 20 pixels of at most 8 segments, sobol with seeds 1, 2, 3, 4, the camera going a 64th of
+# its height to the right each frame. A row: scene, samples a pixel, CRC-32 (IEEE) of each frame's pixels after the
+# a-trous filter (8 bytes each, as in golden.txt), then of the last frame's at twice the size.
+#     MICROLUX_BLESS=1 cargo test --test denoise
+";
+
+/// A frame's camera: to the right by so many 64ths of its height above the floor, looking the same way.
+fn moved(camera: Camera, frame: u32) -> Camera {
+    let Point([x, y, z]) = camera.origin();
+    let aside = (y.abs() / 64).saturating_mul(frame as i32);
+    let [Dir(right), ..] = camera.frame();
+    let by = right.map(|c| ((i64::from(c) * i64::from(aside)) >> 16) as i32);
+    Camera::from_frame(
+        Point([x + by[0], y + by[1], z + by[2]]),
+        camera.frame(),
+        camera.half_width(),
+    )
+}
+
+fn crcs(scene: &Scene, camera: Camera, spp: u32) -> Vec<u32> {
+    let settings = Settings {
+        width: SIZE.width,
+        height: SIZE.height,
+        spp,
+    };
+    let mut crcs = Vec::new();
+    with_denoiser(SIZE, |denoiser| {
+        for frame in 0..FRAMES {
+            let now = moved(camera, frame);
+            let before = moved(camera, frame.saturating_sub(1));
+            let motion = Motion::between(before, now, SIZE.width, SIZE.height);
+            let mut renderer = Renderer::new(scene, now, Path::new(8), Sobol::new(frame + 1), settings);
+            let area = renderer.area(0, SIZE.pixels() as u32).unwrap();
+            assert_eq!(renderer.feature_tile(area, denoiser.frame()), SIZE.pixels());
+            let clean = denoiser.denoise(Some(&motion), &mut Atrous::for_spp(spp));
+            let mut bytes = Vec::new();
+            for (x, y) in places(SIZE.width, SIZE.height) {
+                bytes.extend(eight(clean.pixel(x, y)));
+            }
+            crcs.push(crc32fast::hash(&bytes));
+            if frame + 1 == FRAMES {
+                let (width, height) = (2 * SIZE.width, 2 * SIZE.height);
+                let fine = Settings {
+                    width,
+                    height,
+                    spp: 1,
+                };
+                let guide = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
+                let mut bytes = Vec::new();
+                for (x, y) in places(width, height) {
+                    bytes.extend(eight(clean.pixel_2x(x, y, &guide.guide(x, y))));
+                }
+                crcs.push(crc32fast::hash(&bytes));
+            }
+        }
+    });
+    crcs
+}
+
+fn eight(light: Radiance) -> [u8; 8] {
+    let ([r, g, b], exponent) = light.to_parts();
+    let halves = [r, g, b, exponent as u16].map(u16::to_le_bytes);
+    std::array::from_fn(|i| halves[i / 2][i % 2])
+}
+
+fn places(width: u16, height: u16) -> impl Iterator<Item = (u16, u16)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+#[test]
+fn denoised_pictures_are_the_record() {
+    let mut table = HEADER.to_string();
+    for scene in [
+        Builtin::Cornell,
+        Builtin::Spheres,
+        Builtin::Torus,
+        Builtin::Materials,
+        Builtin::Sky,
+    ] {
+        for spp in [1, 4] {
+            let crcs = scene.with(|scene, camera| crcs(scene, camera, spp)).unwrap();
+            let crcs: Vec<_> = crcs.iter().map(|crc| format!("{crc:08x}")).collect();
+            table += &format!("{:<9} {spp} {}\n", scene.name(), crcs.join(" "));
+        }
+    }
+    if std::env::var_os("MICROLUX_BLESS").is_some_and(|value| value == "1") {
+        std::fs::write(RECORD, &table).unwrap();
+    }
+    let record = std::fs::read_to_string(RECORD).unwrap_or_default();
+    assert!(table == record, "{table}\n{record}");
+}
