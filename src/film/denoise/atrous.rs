@@ -1,4 +1,4 @@
-use super::weight::{FALL, FAR, Mean, luma_code, short_normal, turn};
+use super::weight::{FALL, FAR, Mean, luma_code, shines, short_normal, turn};
 use super::{Filter, Scratch, Size};
 use crate::film::Feature;
 use crate::film::feature::Irradiance;
@@ -131,7 +131,7 @@ impl Atrous {
             return Irradiance::BLACK;
         };
         let spacing = 1i32 << step.min(4);
-        let own_normal = normal(*aside);
+        let (own_normal, shines_here) = (normal(*aside), shines(pixel));
         // The noise of n frames is 1/√n of one's.
         let length = whole.lengths.get(here).map_or(1, |n| *n as usize).clamp(1, 8);
         let luma_slope = self.luma.get(step as usize).map_or(0, |s| *s as u32) * ROOTS[length - 1];
@@ -156,6 +156,10 @@ impl Atrous {
                 ) else {
                     continue;
                 };
+                // A lamp's own light is no light on what is beside it, but for what smooths its outline.
+                if step > 0 && shines(tap) != shines_here {
+                    continue;
+                }
                 let mut unlike = 0;
                 if tap.id != pixel.id {
                     unlike += self.id as u32;

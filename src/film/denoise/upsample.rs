@@ -1,5 +1,5 @@
 use super::Size;
-use super::weight::{FALL, Mean, short_normal, turn};
+use super::weight::{FALL, FAR, Mean, shines, short_normal, turn};
 use crate::color::Radiance;
 use crate::film::Feature;
 use crate::film::feature::Irradiance;
@@ -36,6 +36,9 @@ pub fn upsample(
         unlike += pixel.depth.abs_diff(guide.depth) as u32 * UNLIKE[2];
         if pixel.id != guide.id {
             unlike += UNLIKE[0];
+        }
+        if shines(pixel) != shines(guide) {
+            unlike = FAR;
         }
         let share = [9, 3, 3, 1][i];
         // Never nothing.

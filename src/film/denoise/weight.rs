@@ -1,7 +1,7 @@
 //! How much one pixel may say of another: half-lives add up, one table makes a weight of them.
 
 use super::super::Feature;
-use super::super::feature::Irradiance;
+use super::super::feature::{DEPTH_NOTHING, Irradiance};
 use crate::num::{leading_zeros, recip};
 
 /// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
@@ -29,6 +29,12 @@ pub(super) fn short_normal(pixel: &Feature) -> [i8; 3] {
 pub(super) fn turn(a: [i8; 3], b: [i8; 3]) -> u32 {
     let dot: i32 = (0..3).map(|i| a[i] as i32 * b[i] as i32).sum();
     ((127 * 127 - dot).max(0) >> 7).min(127) as u32
+}
+
+/// Whether a pixel is nothing but a lamp (or as white as can be).
+#[inline]
+pub(super) fn shines(pixel: &Feature) -> bool {
+    pixel.albedo == [255; 3] && pixel.depth != DEPTH_NOTHING
 }
 
 /// The logarithm of luminance, eighths of an octave from 2^-15 (1) on; 0 for black.
