@@ -1,7 +1,9 @@
 //! The host side of microlux: the fixed-point core and an independent f64 reference, side by side.
 
 pub use microlux_bake as bake;
+pub mod animate;
 pub mod builtin;
+pub mod clean;
 pub mod cli;
 pub mod code;
 pub mod dequantise;

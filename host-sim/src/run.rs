@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
 
 use crate::bake::Aligned;
+use crate::clean::{self, Cleaning, Frames};
 use crate::dequantise::{self, Frame};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
 use crate::expose::SharedExposure;
@@ -55,6 +56,8 @@ pub struct Options {
     pub display: Option<DisplayKind>,
     /// Whether `Picture::aov` is wanted.
     pub aov: bool,
+    /// What is done about noise; of `width` and `height` only a part is rendered where it makes pictures larger.
+    pub cleaning: Cleaning,
 }
 
 impl Options {
@@ -74,6 +77,7 @@ impl Options {
             look: Look::default(),
             display: None,
             aov: false,
+            cleaning: Cleaning::default(),
         }
     }
 }
@@ -221,6 +225,7 @@ fn render_core(
     let path = integrator(desc, options);
     let started = Instant::now();
     let pixels = match options.integrator {
+        _ if options.cleaning.is_on() => self::path(desc, options).and_then(|path| job.cleaned(path)),
         IntegratorKind::Direct | IntegratorKind::Path => job.in_tiles(path),
         IntegratorKind::Ao => job.in_tiles(AmbientOcclusion {
             radius: ao_radius(desc, core),
@@ -294,6 +299,31 @@ struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
+    /// One frame, denoised.
+    fn cleaned(&self, path: Path) -> Result<Vec<Radiance>, Error> {
+        let (IntegratorKind::Direct | IntegratorKind::Path) = self.options.integrator else {
+            return Err(Error::Scene(
+                "only direct and path can be denoised; leave out --integrator, --denoise and --upscale"
+                    .into(),
+            ));
+        };
+        let frames = frames(self.options);
+        let frame = || {
+            clean::sequence(frames, |sequence| {
+                let rows = frames.rows();
+                let advance = |rays| {
+                    let rays = self.rays.fetch_add(rays, Ordering::Relaxed) + rays;
+                    let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+                    self.progress.advance(done, rows, rays);
+                    !self.cancel.load(Ordering::Relaxed)
+                };
+                sequence.frame(self.scene, self.core.camera, path, &self.sampler, &advance)
+            })
+        };
+        let frame = pool(self.options.threads)?.install(frame);
+        frame.map(|(pixels, _)| pixels).ok_or(Error::Cancelled)
+    }
+
     /// Each tile by itself, as on a board.
     fn in_tiles<I: Integrator + Copy + Sync>(&self, integrator: I) -> Result<Vec<Radiance>, Error> {
         let strips = self.tiles(integrator, |renderer, area| {
@@ -517,6 +547,25 @@ fn settings(options: &Options) -> Settings {
     }
 }
 
+/// The path tracer that denoised frames are rendered by; an error for other integrators.
+pub(crate) fn path(desc: &SceneDesc, options: &Options) -> Result<Path, Error> {
+    match options.integrator {
+        IntegratorKind::Direct | IntegratorKind::Path => Ok(integrator(desc, options)),
+        _ => Err(Error::Scene(
+            "only direct and path can be denoised or animated; choose one of them by --integrator".into(),
+        )),
+    }
+}
+
+pub(crate) fn frames(options: &Options) -> Frames {
+    Frames {
+        width: options.width as u16,
+        height: options.height as u16,
+        spp: options.spp,
+        cleaning: options.cleaning,
+    }
+}
+
 /// Segments that no path reaches: roulette ends it long before.
 pub(crate) const UNLIMITED: u16 = u16::MAX;
 
@@ -548,7 +597,7 @@ fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     }
 }
 
-fn sampler(options: &Options) -> AnySampler {
+pub(crate) fn sampler(options: &Options) -> AnySampler {
     match options.sampler {
         SamplerKind::Independent => Independent::new(options.seed).into(),
         SamplerKind::Stratified => Stratified::new(options.seed, options.spp).into(),
@@ -558,7 +607,7 @@ fn sampler(options: &Options) -> AnySampler {
     }
 }
 
-fn pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
+pub(crate) fn pool(threads: usize) -> Result<rayon::ThreadPool, Error> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map_err(|error| Error::Scene(format!("{threads} threads: {error}")))
 }

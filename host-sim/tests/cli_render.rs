@@ -323,3 +323,46 @@ fn ctrl_c_leaves_no_file() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(files(&folder), [""; 0]);
 }
+
+#[test]
+fn a_denoised_picture_is_another_and_the_same_whoever_renders_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let made = |name: &str, args: &[&str]| {
+        let out = ["-q", "-o", name];
+        host_sim(&folder, "render", &[&out, args].concat())
+            .assert()
+            .success();
+        png(&folder.path().join(name)).into_raw()
+    };
+    let noisy = made("noisy.png", &[]);
+    let clean = made("clean.png", &["--denoise", "atrous"]);
+    let threads = made("threads.png", &["--denoise", "atrous", "--threads", "3"]);
+    let fine = made("fine.png", &["--denoise", "atrous", "--upscale", "2"]);
+    let plain = made("plain.png", &["--denoise", "off", "--upscale", "1"]);
+    assert_eq!((&clean, &noisy), (&threads, &plain));
+    assert!(clean != noisy && fine != clean && fine.len() == noisy.len());
+    host_sim(&folder, "render", &["--denoise", "atrous", "--integrator", "ao"])
+        .assert()
+        .code(1)
+        .stderr(contains("only direct and path can be denoised"));
+}
+
+#[test]
+fn a_flight_is_an_animated_png_or_a_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let flight = ["--frames", "3", "--orbit", "5", "-o"];
+    host_sim(&folder, "animate", &[&flight[..], &["clip.png"]].concat())
+        .assert()
+        .success()
+        .stdout(contains("3 frames").and(contains("flicker")));
+    let bytes = fs::read(folder.path().join("clip.png")).unwrap();
+    assert!(bytes.windows(4).any(|w| w == b"acTL"), "an animated PNG");
+    host_sim(
+        &folder,
+        "animate",
+        &[&flight[..], &["stills", "--denoise", "atrous"]].concat(),
+    )
+    .assert()
+    .success();
+    assert_eq!(fs::read_dir(folder.path().join("stills")).unwrap().count(), 3);
+}

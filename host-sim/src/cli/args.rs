@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use microlux::film::ToneMap;
 
+use crate::clean::{Cleaning, Denoise};
 use crate::desc::{IntegratorKind, SamplerKind, SceneDesc};
 use crate::picture::Layer;
 use crate::run::{MAX_SIDE, Options};
@@ -17,6 +18,8 @@ Examples:
   host-sim render cornell --spp 16 --display rgb565 -o small.png
                                                what a 16-bit display would show
   host-sim compare cornell --diff diff.png     fixed point against f64, in numbers and as a picture
+  host-sim animate cornell --spp 1 --denoise atrous --orbit 20 -o cornell.png
+                                               a camera that moves, and noise taken away
   host-sim info bunny.obj                      how much flash and RAM a board needs for it
   host-sim bake bunny.obj -o bunny.mlx         its bytes for the board
   host-sim polygon star -o star.svg            how a polygon becomes triangles, step by step
@@ -37,6 +40,7 @@ pub struct Cli {
 pub enum Command {
     Render(RenderArgs),
     Compare(CompareArgs),
+    Animate(AnimateArgs),
     Info(InfoArgs),
     Bake(BakeArgs),
     Polygon(PolygonArgs),
@@ -61,6 +65,7 @@ Examples:
   host-sim render model.glb --spp 256
   host-sim render room.xml -o room.png -o room.exr --aov albedo,normal,depth,id
   host-sim render cornell --display mono -o e-paper.png
+  host-sim render cornell --spp 4 --denoise atrous --upscale 2 -o clean.png
   host-sim render cornell --reference --spp 1024 -o truth.exr";
 
 /// Render a scene in fixed point, as the board would.
@@ -122,12 +127,66 @@ pub struct PolygonArgs {
     pub quiet: bool,
 }
 
+const ANIMATE_EXAMPLES: &str = "\
+flicker is the mean change of a place's signal (8-bit sRGB, 0 to 1) from frame to frame, followed as the camera moves. With \
+--reference-spp the same flight is rendered once more, without denoising, and the frames are compared with it.
+
+Examples:
+  host-sim animate cornell --spp 1 --denoise atrous --upscale 2 --orbit 20 -o cornell.png
+                                               an animated PNG
+  host-sim animate spheres --frames 48 --dolly 1 -o frames
+                                               frames/000.png, frames/001.png, ...
+  host-sim animate cornell --spp 4 --denoise atrous --orbit 10 --reference-spp 256 -o clip.png";
+
+/// Render a camera's flight through a scene, frame by frame.
+#[derive(Debug, Args)]
+#[command(after_help = ANIMATE_EXAMPLES, after_long_help = ANIMATE_EXAMPLES)]
+pub struct AnimateArgs {
+    #[command(flatten)]
+    pub scene: SceneArgs,
+    /// Frames of the flight.
+    #[arg(long, value_name = "N", default_value_t = 24, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    pub frames: u32,
+    /// Go around what is in the middle of the picture, by so many degrees from first to last frame.
+    #[arg(
+        long,
+        value_name = "DEG",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub orbit: f64,
+    /// Go forward by so many metres from first to last frame.
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.0,
+        allow_negative_numbers = true
+    )]
+    pub dolly: f64,
+    /// Frames a second of an animated PNG.
+    #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub fps: u16,
+    /// Write an animated PNG (NAME.png), or the frames into a folder.
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Render the flight with so many samples a pixel, too, and compare with it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
+    pub reference_spp: Option<u32>,
+    /// Say nothing but errors.
+    #[arg(short, long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub settings: Settings,
+}
+
 const COMPARE_EXAMPLES: &str = "\
 bias      mean of the picture over the reference's, less 1 (light above 8 counts as 8)
 rmse      root of the mean squared difference of linear light (capped as above)
 psnr      of the sRGB signals clipped to 0..1, in dB (200: equal)
 flip      mean FLIP of the same signals: 0 equal, 1 as different as can be (67 pixels a degree)
 block p95 95th percentile of the relative error of 8x8 blocks
+
+With --denoise the picture is what the filter left, and the noisy one of as many samples stands below it.
 
 Both renders are noisy: at few samples a pixel rmse, psnr and flip show noise, not error. --reference-spp gives the \
 reference more samples.
@@ -138,6 +197,7 @@ from 50 % on; .exr and .pfm have the signed difference of linear light.
 Examples:
   host-sim compare spheres
   host-sim compare cornell --spp 256 --reference-spp 1024 --json cornell.json --diff cornell-diff.png
+  host-sim compare cornell --spp 4 --denoise atrous --reference-spp 1024
   host-sim compare cornell.xml --against mitsuba.exr";
 
 /// Render in fixed point and in f64, and say how far apart they are.
@@ -349,6 +409,30 @@ pub struct Settings {
     /// Rows rendered at a time: fewer need less RAM; the picture does not depend on it [default: 8]
     #[arg(long, value_name = "ROWS", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub tile_height: Option<u32>,
+    /// Take the noise away as a board would, for pictures of few samples
+    #[arg(long, value_enum, default_value_t = DenoiseArg::Off, value_name = "FILTER")]
+    pub denoise: DenoiseArg,
+    /// Render every N-th pixel and row only, and fill in what lies between, led by what is seen there
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=2))]
+    pub upscale: u32,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum DenoiseArg {
+    /// As it is rendered
+    #[default]
+    Off,
+    /// A 5 x 5 blur again and again that stops at edges
+    Atrous,
+}
+
+impl From<DenoiseArg> for Denoise {
+    fn from(arg: DenoiseArg) -> Self {
+        match arg {
+            DenoiseArg::Off => Denoise::Off,
+            DenoiseArg::Atrous => Denoise::Atrous,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -443,6 +527,10 @@ impl Settings {
             seed: self.seed,
             threads: self.threads.map_or(own.threads, usize::from),
             tile_height: self.tile_height.unwrap_or(own.tile_height),
+            cleaning: Cleaning {
+                denoise: self.denoise.into(),
+                upscale: self.upscale.max(1),
+            },
             ..own
         }
     }

@@ -10,6 +10,7 @@ use super::progress::Meter;
 use super::render::{Output, settings};
 use super::table::{Table, grouped, short};
 use super::{Failure, source, stop, terminal};
+use crate::clean::{Cleaning, Denoise};
 use crate::metrics::{self, Metrics, MetricsError};
 use crate::picture::{Format, Picture, Style, Target, display_pixels, read_exr};
 use crate::run::{self, Options, PrimaryReport, Stats};
@@ -42,6 +43,18 @@ pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
         result.map_err(failed)
     };
     let (fixed, fixed_stats) = measured("fixed", &|meter| run::render_fixed(&desc, &options, meter, &stop))?;
+    let noisy = if options.cleaning.denoise == Denoise::Off {
+        None
+    } else {
+        let noisy_options = Options {
+            cleaning: Cleaning::default(),
+            ..options.clone()
+        };
+        let (noisy, _) = measured("noisy", &|meter| {
+            run::render_fixed(&desc, &noisy_options, meter, &stop)
+        })?;
+        Some(noisy)
+    };
     let (reference, reference_stats) = measured("reference", &|meter| {
         run::render_reference(&desc, &reference_options, meter, &stop)
     })?;
@@ -59,6 +72,14 @@ pub fn compare(args: &CompareArgs) -> Result<(), Failure> {
             &fixed,
             &reference,
         )?,
+        noisy: match &noisy {
+            Some(noisy) => Some(distance(
+                "the noisy picture against the reference",
+                noisy,
+                &reference,
+            )?),
+            None => None,
+        },
         against: match &against {
             Some(third) => Some([
                 distance("the fixed-point picture against --against", &fixed, third)?,
@@ -143,6 +164,8 @@ struct Comparison {
     reference_stats: Stats,
     primary: PrimaryReport,
     between: Metrics,
+    /// The same without denoising, where there was any.
+    noisy: Option<Metrics>,
     /// Fixed, and reference, against the third picture.
     against: Option<[Metrics; 2]>,
 }
@@ -157,6 +180,9 @@ impl Comparison {
         map.insert("spp".to_string(), self.options.spp.into());
         map.insert("reference_spp".to_string(), self.reference_spp.into());
         insert_metrics(&mut map, "", &self.between);
+        if let Some(noisy) = &self.noisy {
+            insert_metrics(&mut map, "noisy_", noisy);
+        }
         if let Some([fixed, reference]) = &self.against {
             insert_metrics(&mut map, "against_fixed_", fixed);
             insert_metrics(&mut map, "against_reference_", reference);
@@ -202,6 +228,9 @@ impl Comparison {
         let mut errors = Table::default();
         errors.row(["", "bias", "rmse", "psnr", "flip", "block p95"]);
         errors.row(metrics_cells("fixed against reference", &self.between));
+        if let Some(noisy) = &self.noisy {
+            errors.row(metrics_cells("not denoised", noisy));
+        }
         if let Some([fixed, reference]) = &self.against {
             errors.row(metrics_cells("fixed against --against", fixed));
             errors.row(metrics_cells("reference against --against", reference));
@@ -320,6 +349,7 @@ mod tests {
                 },
             },
             between: metrics,
+            noisy: None,
             against: None,
         }
     }
@@ -361,6 +391,18 @@ primary rays that hit on one side alone: 0.0026 % of 76,800
         );
         assert_eq!(json["hit_point_error_p9999"], 7e-6, "away from silhouettes");
         assert_eq!(json["hit_point_error_p99"], 3e-6);
+    }
+
+    #[test]
+    fn a_denoised_picture_stands_beside_the_noisy_one() {
+        let mut comparison = comparison();
+        assert!(!comparison.json().contains_key("noisy_flip"));
+        comparison.noisy = Some(Metrics {
+            flip: 0.5,
+            ..comparison.between
+        });
+        assert_eq!(comparison.json()["noisy_flip"], 0.5);
+        assert!(comparison.text().contains("not denoised"));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The program `host-sim`: arguments in, files and a few lines out, one line where something is wrong.
 
+mod animate;
 mod args;
 mod bake;
 mod compare;
@@ -31,6 +32,7 @@ pub fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Render(args) => render::render(&args),
         Command::Compare(args) => compare::compare(&args),
+        Command::Animate(args) => animate::animate(&args),
         Command::Info(args) => info::info(&args),
         Command::Bake(args) => bake::bake(&args),
         Command::Polygon(args) => polygon::polygon(&args),

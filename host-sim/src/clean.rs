@@ -1,0 +1,206 @@
+//! Denoised pictures, one or a sequence, as a board makes them: the core's denoiser in memory of the host's.
+
+use microlux::camera::Camera;
+use microlux::color::Radiance;
+use microlux::film::Feature;
+use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Scratch, Size};
+use microlux::film::feature::Irradiance;
+use microlux::integrator::{Integrator, Path};
+use microlux::render::{Motion, Renderer, Settings};
+use microlux::sampler::{Independent, PcgRxsMXs32, Sampler};
+use microlux::scene::Scene;
+use rayon::prelude::*;
+
+/// What is done about noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Denoise {
+    #[default]
+    Off,
+    /// `microlux::film::denoise::Atrous`, as tuned for the number of samples.
+    Atrous,
+}
+
+/// What stands between samples and picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cleaning {
+    pub denoise: Denoise,
+    /// How many pixels of the picture a rendered one is wide and high: 1 or 2.
+    pub upscale: u32,
+}
+
+impl Default for Cleaning {
+    fn default() -> Cleaning {
+        Cleaning {
+            denoise: Denoise::Off,
+            upscale: 1,
+        }
+    }
+}
+
+impl Cleaning {
+    /// Whether there is anything to do.
+    pub fn is_on(self) -> bool {
+        self != Cleaning::default()
+    }
+
+    /// The rendered picture's side for one that is seen.
+    pub fn coarse(self, side: u32) -> u32 {
+        side.div_ceil(self.upscale.max(1))
+    }
+}
+
+/// One of the core's filters.
+enum Chosen {
+    Off(Off),
+    Atrous(Atrous),
+}
+
+impl Filter for Chosen {
+    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
+        match self {
+            Chosen::Off(off) => off.filter(size, frame, lengths, scratch),
+            Chosen::Atrous(atrous) => atrous.filter(size, frame, lengths, scratch),
+        }
+    }
+}
+
+/// Everything a frame depends on but scene, camera and seed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// Of the picture that is seen.
+    pub width: u16,
+    pub height: u16,
+    pub spp: u32,
+    pub cleaning: Cleaning,
+}
+
+/// A sequence under way: what the denoiser remembers, and where the camera was.
+pub struct Sequence<'m> {
+    frames: Frames,
+    denoiser: Denoiser<'m>,
+    filter: Chosen,
+    before: Option<Camera>,
+}
+
+/// Lends memory to a sequence.
+pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
+    let size = frames.coarse();
+    let count = size.pixels();
+    let mut pixels = [vec![Feature::default(); count], vec![Feature::default(); count]];
+    let mut lengths = [vec![0; count], vec![0; count]];
+    let mut rows = vec![Irradiance::BLACK; 2 * usize::from(size.width)];
+    let [now, before] = &mut pixels;
+    let [lengths_now, lengths_before] = &mut lengths;
+    let memory = Memory {
+        frames: [now, before],
+        lengths: [lengths_now, lengths_before],
+        rows: &mut rows,
+    };
+    let denoiser = Denoiser::new(size, memory).expect("as long as it has to be");
+    let filter = match frames.cleaning.denoise {
+        Denoise::Off => Chosen::Off(Off),
+        Denoise::Atrous => Chosen::Atrous(Atrous::for_spp(frames.spp)),
+    };
+    show(&mut Sequence {
+        frames,
+        denoiser,
+        filter,
+        before: None,
+    })
+}
+
+impl Frames {
+    /// Rows that are rendered.
+    pub fn rows(&self) -> usize {
+        usize::from(self.coarse().height)
+    }
+
+    fn coarse(&self) -> Size {
+        let side = |side: u16| self.cleaning.coarse(u32::from(side)) as u16;
+        Size {
+            width: side(self.width),
+            height: side(self.height),
+        }
+    }
+}
+
+impl Sequence<'_> {
+    /// The next frame, and how many rays it took; `advance` is told of each row that is done, and says whether to go on.
+    ///
+    /// Where nothing is denoised there is no history either, and no firefly is clamped: frames are as they are rendered.
+    pub fn frame<S, I>(
+        &mut self,
+        scene: &Scene,
+        camera: Camera,
+        integrator: I,
+        sampler: &S,
+        advance: &(dyn Fn(u64) -> bool + Sync),
+    ) -> Option<(Vec<Radiance>, u64)>
+    where
+        S: Sampler + Clone + Sync,
+        I: Integrator + Copy + Sync,
+    {
+        let size = self.denoiser.size();
+        let settings = Settings {
+            width: size.width,
+            height: size.height,
+            spp: self.frames.spp,
+        };
+        let width = usize::from(size.width).max(1);
+        let row = |(y, row): (usize, &mut [Feature])| {
+            let mut renderer = Renderer::new(scene, camera, integrator, sampler.clone(), settings);
+            for (x, pixel) in row.iter_mut().enumerate() {
+                *pixel = renderer.feature(x as u16, y as u16);
+            }
+            let rays = u64::from(renderer.rays());
+            advance(rays).then_some(rays)
+        };
+        let rows = self.denoiser.frame().par_chunks_mut(width).enumerate();
+        let rays = rows.map(row).collect::<Option<Vec<u64>>>()?.iter().sum();
+        let (frame, light) = match self.frames.cleaning.denoise {
+            Denoise::Off => {
+                let frame = self.denoiser.frame().to_vec();
+                let light = frame.iter().map(|pixel| pixel.irradiance).collect();
+                (frame, light)
+            }
+            Denoise::Atrous => {
+                let before = self.before.replace(camera).unwrap_or(camera);
+                let motion = Motion::between(before, camera, size.width, size.height);
+                let clean = self.denoiser.denoise(Some(&motion), &mut self.filter);
+                (clean.frame.to_vec(), clean.light.to_vec())
+            }
+        };
+        let clean = Clean {
+            size,
+            frame: &frame,
+            light: &light,
+        };
+        let shown = self.show(scene, camera, &clean);
+        Some((shown, rays))
+    }
+
+    /// At the size that is seen, times the albedo.
+    fn show(&self, scene: &Scene, camera: Camera, clean: &Clean) -> Vec<Radiance> {
+        let Frames {
+            width,
+            height,
+            cleaning,
+            ..
+        } = self.frames;
+        let settings = Settings {
+            width: clean.size.width * cleaning.upscale as u16,
+            height: clean.size.height * cleaning.upscale as u16,
+            spp: 1,
+        };
+        let sampler = Independent::<PcgRxsMXs32>::new(0);
+        let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
+        let row = |y: u16| {
+            let pixel = |x| match cleaning.upscale {
+                2 => clean.pixel_2x(x, y, &guides.guide(x, y)),
+                _ => clean.pixel(x, y),
+            };
+            (0..width).map(pixel).collect::<Vec<_>>()
+        };
+        (0..height).into_par_iter().flat_map_iter(row).collect()
+    }
+}

@@ -1,0 +1,123 @@
+//! `host-sim animate`.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::args::AnimateArgs;
+use super::progress::Meter;
+use super::render::settings;
+use super::{Failure, source, stop};
+use crate::animate::{Animation, Flight, Shown};
+use crate::picture::{FileError, Format, Picture, Style, Target};
+use crate::run::{self, Progress};
+
+pub fn animate(args: &AnimateArgs) -> Result<(), Failure> {
+    let desc = source::load(&args.scene, args.quiet)?;
+    let options = args.settings.options(&desc);
+    let flight = Flight {
+        frames: args.frames,
+        orbit: args.orbit,
+        dolly: args.dolly,
+    };
+    let is_file = Format::of(&args.output) == Ok(Format::Png);
+    if is_file {
+        Target::check(&args.output)?;
+    } else {
+        fs::create_dir_all(&args.output).map_err(|error| FileError::io(&args.output, &error))?;
+    }
+    let stop = stop::on_ctrl_c()?;
+    let shoot = |label: &str, options: &run::Options| -> Result<Animation, Failure> {
+        let meter = Meter::new(format!("{} {label}", desc.name), args.quiet);
+        let made = crate::animate::animation(&desc, options, flight, &meter as &dyn Progress, &stop);
+        meter.finish();
+        made.map_err(|error| Failure::of_run(&args.scene.scene, error))
+    };
+    let animation = shoot("frames", &options)?;
+    let truth = match args.reference_spp {
+        Some(spp) => Some(shoot(
+            "reference",
+            &run::Options {
+                spp,
+                cleaning: Default::default(),
+                ..options.clone()
+            },
+        )?),
+        None => None,
+    };
+    if is_file {
+        moving_png(&args.output, &animation.frames, args.fps)?;
+    } else {
+        stills(&args.output, &animation.frames, &stop)?;
+    }
+    if args.quiet {
+        return Ok(());
+    }
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
+        "{}: {} frames of {}, {:.2} s, written to {}",
+        desc.name,
+        args.frames,
+        settings(&options),
+        animation.seconds,
+        args.output.display()
+    )?;
+    let flicker = animation.flicker();
+    match &truth {
+        None => writeln!(out, "flicker {flicker:.5}")?,
+        Some(truth) => writeln!(
+            out,
+            "flicker {flicker:.5}, the reference's own {:.5}; psnr {:.2} dB in the mean, {:.2} dB of the last frame",
+            truth.flicker(),
+            animation.psnr(truth, 0),
+            animation.psnr(truth, animation.frames.len().saturating_sub(1)),
+        )?,
+    }
+    Ok(())
+}
+
+/// All frames in one animated PNG that repeats.
+fn moving_png(path: &Path, frames: &[Shown], fps: u16) -> Result<(), Failure> {
+    let Some(first) = frames.first() else {
+        return Ok(());
+    };
+    let failed = |error: png::EncodingError| Failure::Wrong(format!("{}: {error}", path.display()));
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, first.width as u32, first.height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
+    encoder.set_frame_delay(1, fps).map_err(failed)?;
+    let mut writer = encoder.write_header().map_err(failed)?;
+    for frame in frames {
+        writer
+            .write_image_data(frame.rgb8.as_flattened())
+            .map_err(failed)?;
+    }
+    writer.finish().map_err(failed)?;
+    Ok(Target::check(path)?.write(&bytes)?)
+}
+
+/// `000.png`, `001.png`, ... in a folder.
+fn stills(folder: &Path, frames: &[Shown], stop: &AtomicBool) -> Result<(), Failure> {
+    for (number, frame) in frames.iter().enumerate() {
+        if stop.load(Ordering::Relaxed) {
+            return Err(Failure::Stopped);
+        }
+        let path = folder.join(format!("{number:03}.png"));
+        let picture = Picture {
+            width: frame.width,
+            height: frame.height,
+            display: Some(frame.rgb8.clone()),
+            ..Picture::default()
+        };
+        let bytes = Format::Png.encode(&picture, &Style::default());
+        let bytes = bytes.map_err(|error| FileError::new(&path, error))?;
+        let file = File::create(&path).map_err(|error| FileError::io(&path, &error))?;
+        let written = BufWriter::new(file).write_all(&bytes);
+        written.map_err(|error| FileError::io(&path, &error))?;
+    }
+    Ok(())
+}
