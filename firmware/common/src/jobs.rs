@@ -3,6 +3,8 @@
 use microlux::num::Crc;
 use microlux::scene::builtin::Builtin::{Cornell, Implicits, Map, Materials, Sky, Spheres, Torus};
 
+#[cfg(feature = "roomy")]
+use crate::denoise;
 use crate::{
     edges, flags,
     golden::{
@@ -72,6 +74,9 @@ pub enum Work {
     Picture(Case),
     /// Traces rays or paths, each by itself.
     Rays(Bundle),
+    /// Renders and denoises frames of the record.
+    #[cfg(feature = "roomy")]
+    Denoised(denoise::Case),
 }
 
 impl Job {
@@ -89,6 +94,8 @@ impl Job {
             Work::Machine(test) => region::count(id, test),
             Work::Picture(case) => region::count(id, || case.run().crc),
             Work::Rays(bundle) => bundle.run(id).crc,
+            #[cfg(feature = "roomy")]
+            Work::Denoised(case) => case.run(id),
         }
     }
 }
@@ -258,6 +265,35 @@ transport! {
     "implicits-ao-sobol" Implicits Ao Sobol Quick;
 }
 
+#[cfg(feature = "roomy")]
+const fn denoised(
+    name: &'static str,
+    scene: microlux::scene::builtin::Builtin,
+    spp: u32,
+    reach: Reach,
+) -> Job {
+    Job {
+        name,
+        work: Work::Denoised(denoise::Case { scene, spp }),
+        reach,
+    }
+}
+
+/// Every row of the record of denoised pictures.
+#[cfg(feature = "roomy")]
+const DENOISED: &[Job] = &[
+    denoised("cornell-atrous-1", Cornell, 1, Reach::Roomy),
+    denoised("cornell-atrous-4", Cornell, 4, Reach::Quick),
+    denoised("spheres-atrous-1", Spheres, 1, Reach::Roomy),
+    denoised("spheres-atrous-4", Spheres, 4, Reach::Quick),
+    denoised("torus-atrous-1", Torus, 1, Reach::Quick),
+    denoised("torus-atrous-4", Torus, 4, Reach::Quick),
+    denoised("materials-atrous-1", Materials, 1, Reach::Quick),
+    denoised("materials-atrous-4", Materials, 4, Reach::Quick),
+    denoised("sky-atrous-1", Sky, 1, Reach::Quick),
+    denoised("sky-atrous-4", Sky, 4, Reach::Quick),
+];
+
 /// Pictures of no record.
 #[cfg(feature = "roomy")]
 const OTHERS: &[Job] = &[picture(
@@ -273,12 +309,14 @@ const OTHERS: &[Job] = &[picture(
 const TRANSPORT: &[Job] = &[];
 #[cfg(not(feature = "roomy"))]
 const OTHERS: &[Job] = &[];
+#[cfg(not(feature = "roomy"))]
+const DENOISED: &[Job] = &[];
 
 /// Every job, in the order in which they run. A job's place in it is also its [`region`]; those for [`Reach::All`] come
 /// first, so that it is the same where there are no others.
 pub fn all() -> impl Iterator<Item = &'static Job> {
     let everywhere = OWN.iter().chain(flags::JOBS).chain(PICTURES).chain(&RAYS);
-    everywhere.chain(TRANSPORT).chain(OTHERS)
+    everywhere.chain(TRANSPORT).chain(OTHERS).chain(DENOISED)
 }
 
 /// The jobs of one machine, with their regions.

@@ -5,6 +5,8 @@
 
 #![no_std]
 
+#[cfg(feature = "roomy")]
+pub mod denoise;
 mod edges;
 mod flags;
 pub mod golden;

@@ -1,0 +1,108 @@
+//! The pictures of the core's `tests/golden_denoise.txt`, denoised where the firmware runs.
+//!
+//! The memory that this takes is two frames of twelve bytes a pixel, their lengths and two rows: 12,864 bytes.
+
+use microlux::{
+    camera::Camera,
+    color::Radiance,
+    film::Feature,
+    film::denoise::{Atrous, Denoiser, Memory, Size},
+    film::feature::Irradiance,
+    geom::{Dir, Point},
+    integrator::Path,
+    num::Crc,
+    render::{Motion, Renderer, Settings},
+    sampler::Sobol,
+    scene::{Scene, builtin::Builtin},
+};
+
+use crate::region;
+
+const SIZE: Size = Size {
+    width: 24,
+    height: 20,
+};
+const PIXELS: usize = SIZE.pixels();
+const FRAMES: u32 = 4;
+
+/// A row of the record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Case {
+    pub scene: Builtin,
+    pub spp: u32,
+}
+
+impl Case {
+    /// The CRC of the record; region `id` is each frame's way from features to clean light, which is worth counting.
+    #[inline(never)]
+    pub fn run(self, id: u32) -> u32 {
+        self.scene
+            .with(|scene, camera| self.frames(scene, camera, id))
+            .unwrap_or(0)
+    }
+
+    #[inline(never)]
+    fn frames(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
+        let (mut now, mut before) = ([Feature::default(); PIXELS], [Feature::default(); PIXELS]);
+        let (mut lengths, mut lengths_before) = ([0; PIXELS], [0; PIXELS]);
+        let mut rows = [Irradiance::BLACK; 2 * SIZE.width as usize];
+        let memory = Memory {
+            frames: [&mut now, &mut before],
+            lengths: [&mut lengths, &mut lengths_before],
+            rows: &mut rows,
+        };
+        let Ok(mut denoiser) = Denoiser::new(SIZE, memory) else {
+            return 0;
+        };
+        let mut crc = Crc::new();
+        let settings = |scale: u16, spp| Settings {
+            width: scale * SIZE.width,
+            height: scale * SIZE.height,
+            spp,
+        };
+        for frame in 0..FRAMES {
+            let (then, now) = (moved(camera, frame.saturating_sub(1)), moved(camera, frame));
+            let motion = Motion::between(then, now, SIZE.width, SIZE.height);
+            let coarse = settings(1, self.spp);
+            let mut renderer = Renderer::new(scene, now, Path::new(8), Sobol::new(frame + 1), coarse);
+            if let Some(area) = renderer.area(0, PIXELS as u32) {
+                renderer.feature_tile(area, denoiser.frame());
+            }
+            let mut filter = Atrous::for_spp(self.spp);
+            let clean = region::count(id, || denoiser.denoise(Some(&motion), &mut filter));
+            for (x, y) in places(coarse) {
+                pixel(&mut crc, clean.pixel(x, y));
+            }
+            if frame + 1 == FRAMES {
+                let fine = settings(2, 1);
+                let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
+                for (x, y) in places(fine) {
+                    pixel(&mut crc, clean.pixel_2x(x, y, &guides.guide(x, y)));
+                }
+            }
+        }
+        crc.value()
+    }
+}
+
+/// A frame's camera: to the right by so many 64ths of its height above the floor, looking the same way.
+fn moved(camera: Camera, frame: u32) -> Camera {
+    let Point([x, y, z]) = camera.origin();
+    let aside = (y.abs() / 64).wrapping_mul(frame as i32);
+    let [Dir(right), ..] = camera.frame();
+    let by = right.map(|c| ((c as i64 * aside as i64) >> 16) as i32);
+    let origin = Point([x + by[0], y + by[1], z + by[2]]);
+    Camera::from_frame(origin, camera.frame(), camera.half_width())
+}
+
+fn places(settings: Settings) -> impl Iterator<Item = (u16, u16)> {
+    (0..settings.height).flat_map(move |y| (0..settings.width).map(move |x| (x, y)))
+}
+
+fn pixel(crc: &mut Crc, light: Radiance) {
+    let (mantissas, exponent) = light.to_parts();
+    for half in mantissas {
+        crc.bytes(&half.to_le_bytes());
+    }
+    crc.bytes(&exponent.to_le_bytes());
+}
