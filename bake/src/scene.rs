@@ -33,9 +33,9 @@ pub(crate) fn bytes(parts: &Parts, shot: &Shot) -> Vec<u8> {
     for texture in parts.textures {
         let (kind, _) = texels(texture.texels);
         let record = TextureRecord {
-            width: texture.width.into(),
-            height: texture.height.into(),
-            colors: (texture.palette.len() as u16).into(),
+            width: texture.width,
+            height: texture.height,
+            colors: texture.palette.len() as u16,
             kind,
             filter: match texture.filter {
                 Filter::Nearest => 0,
