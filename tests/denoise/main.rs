@@ -4,6 +4,7 @@ mod features;
 mod filters;
 mod golden;
 mod motion;
+mod network;
 mod twin;
 
 use microlux::color::Radiance;

@@ -12,6 +12,7 @@
 
 mod accumulate;
 mod atrous;
+pub mod network;
 mod upsample;
 mod weight;
 

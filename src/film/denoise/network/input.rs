@@ -1,0 +1,126 @@
+use crate::film::Feature;
+use crate::num::leading_zeros;
+
+/// Numbers that the network sees of a pixel.
+pub const INPUTS: usize = 11;
+
+/// What the network sees of a pixel, 6 bits each: the logarithm of its irradiance, albedo, normal, depth, samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Input(pub(super) [u8; INPUTS]);
+
+impl Input {
+    /// Of a pixel's feature, and how many samples are in its mean (0 counts as 1).
+    pub fn new(feature: &Feature, samples: u32) -> Input {
+        let i = irradiance(feature).map(|c| logarithm((1 << 12) + (u32::from(c) << 3), 12, 9));
+        let a = feature.albedo.map(|c| c >> 2);
+        // [−1, 1] onto 0 ..= 63, rounded.
+        let n = feature.normal.decode().0;
+        let n = n.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8);
+        let s = logarithm(samples.max(1), 0, 9);
+        Input([
+            i[0],
+            i[1],
+            i[2],
+            a[0],
+            a[1],
+            a[2],
+            n[0],
+            n[1],
+            n[2],
+            feature.depth >> 2,
+            s,
+        ])
+    }
+
+    /// Of the numbers themselves; those over 63 count as 63.
+    pub fn from_bits(bits: [u8; INPUTS]) -> Input {
+        Input(bits.map(|b| b.min(63)))
+    }
+
+    pub fn to_bits(self) -> [u8; INPUTS] {
+        self.0
+    }
+}
+
+/// A pixel's irradiance as the filter takes it: Q12, at most 16.
+pub fn irradiance(feature: &Feature) -> [u16; 3] {
+    let (mantissas, exponent) = feature.irradiance.to_parts();
+    let shift = exponent + 12;
+    mantissas.map(|m| {
+        // raw: mantissas have 9 bits.
+        if shift >= 0 {
+            (m << shift.min(16)).min(0xffff) as u16
+        } else {
+            ((((m << 1) >> shift.unsigned_abs().min(31)) + 1) >> 1) as u16
+        }
+    })
+}
+
+/// `steps` · log2(x / 2^`one`), rounded down, within 0 ..= 63; between powers of two a straight line (0.086 of an octave
+/// off at most).
+fn logarithm(x: u32, one: u32, steps: u32) -> u8 {
+    if x <= 1 << one {
+        return 0;
+    }
+    let zeros = leading_zeros(x);
+    // Q16: whole octaves, and how far to the next.
+    let fraction = (x << zeros << 1) >> 16;
+    let log = ((31 - zeros - one) << 16) + fraction;
+    ((log * steps) >> 16).min(63) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Radiance;
+    use crate::film::feature::Irradiance;
+    use crate::geom::{Dir, Octahedral};
+
+    #[test]
+    fn what_is_seen_of_a_pixel() {
+        let grey = Feature {
+            irradiance: Irradiance::encode(Radiance::WHITE),
+            albedo: [128; 3],
+            depth: 80,
+            normal: Octahedral::encode(Dir::Y),
+            id: 7,
+        };
+        // log2(1 + 8) = 3.17; a straight line from 8 to 16 says 3.125: 28 of 9 steps each.
+        assert_eq!(
+            Input::new(&grey, 4).0,
+            [28, 28, 28, 32, 32, 32, 32, 63, 32, 20, 18]
+        );
+        assert_eq!(irradiance(&grey), [4096; 3]);
+        let most = Feature {
+            irradiance: Irradiance(u32::MAX),
+            albedo: [255; 3],
+            depth: 255,
+            ..grey
+        };
+        assert_eq!(irradiance(&most), [u16::MAX; 3]);
+        assert_eq!(
+            Input::new(&most, u32::MAX).0,
+            [63, 63, 63, 63, 63, 63, 32, 63, 32, 63, 63]
+        );
+        assert_eq!(irradiance(&Feature::default()), [0; 3]);
+        assert_eq!(
+            Input::new(&Feature::default(), 0).0,
+            [0, 0, 0, 0, 0, 0, 32, 32, 63, 0, 0]
+        );
+    }
+
+    #[test]
+    fn irradiance_is_the_nearest_step() {
+        for bits in [1u32, 3, 7, 100, 255, 511] {
+            for e in 0..32u32 {
+                let feature = Feature {
+                    irradiance: Irradiance(bits | e << 27),
+                    ..Feature::default()
+                };
+                let exact = f64::from(bits) * (f64::from(e) - 12.0).exp2();
+                let got = f64::from(irradiance(&feature)[0]);
+                assert!((got - exact.min(65535.0)).abs() <= 0.5, "{bits} {e} {got}");
+            }
+        }
+    }
+}

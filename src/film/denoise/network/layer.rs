@@ -1,0 +1,269 @@
+use super::{CHANNELS, HEAD, INPUTS};
+
+/// Weights of all layers together.
+pub const WEIGHTS: usize = {
+    let mut sum = 0;
+    let mut i = 0;
+    while i < LAYERS.len() {
+        sum += LAYERS[i].taps * LAYERS[i].inputs * LAYERS[i].outputs;
+        i += 1;
+    }
+    sum
+};
+
+/// Biases of all layers together.
+pub const BIASES: usize = {
+    let mut sum = 0;
+    let mut i = 0;
+    while i < LAYERS.len() {
+        sum += LAYERS[i].outputs;
+        i += 1;
+    }
+    sum
+};
+
+/// One layer's place in the table of weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Layer {
+    /// 9 (3 × 3) or 1.
+    pub taps: usize,
+    pub inputs: usize,
+    /// Even.
+    pub outputs: usize,
+}
+
+const fn layer(taps: usize, inputs: usize, outputs: usize) -> Layer {
+    Layer {
+        taps,
+        inputs,
+        outputs,
+    }
+}
+
+const C: [usize; 4] = CHANNELS;
+
+/// Down through the sizes (0 ..= 3), once more at the coarsest (4); up again by a merge and a convolution each (5 ..= 10);
+/// heads from the finest on (11 ..= 14).
+pub const LAYERS: [Layer; 15] = [
+    layer(9, INPUTS, C[0]),
+    layer(9, C[0], C[1]),
+    layer(9, C[1], C[2]),
+    layer(9, C[2], C[3]),
+    layer(9, C[3], C[3]),
+    layer(1, C[3] + C[2], C[2]),
+    layer(9, C[2], C[2]),
+    layer(1, C[2] + C[1], C[1]),
+    layer(9, C[1], C[1]),
+    layer(1, C[1] + C[0], C[0]),
+    layer(9, C[0], C[0]),
+    layer(1, C[0], HEAD),
+    layer(1, C[1], HEAD),
+    layer(1, C[2], HEAD),
+    layer(1, C[3], HEAD),
+];
+
+/// What the network learned, checked.
+///
+/// Weights are 64ths, layer by layer; in a layer tap by tap (rows from the top, each from the left), in a tap input by
+/// input (of a merge: the coarse ones first), in an input output by output. Biases are 1024ths, layer by layer.
+#[derive(Clone, Copy, Debug)]
+pub struct Weights<'a> {
+    weights: &'a [i8; WEIGHTS],
+    biases: &'a [i16; BIASES],
+}
+
+/// Weights of which two sums do not fit one word: those of the output `output` of layer `layer` (both from 0).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WeightsError {
+    pub layer: usize,
+    pub output: usize,
+}
+
+/// The most that the weights above 0, and those below 0, of one output may add up to: 63 · 520 ≤ 2^15 − 1.
+const MOST: i32 = 520;
+
+impl<'a> Weights<'a> {
+    /// The border of weights, also at compile time: what an output's weights above 0 add up to, and those below, is at most
+    /// 520 each.
+    ///
+    /// Then each sum of products with 6 bits stays within 16 bits, wherever a picture leads, and one 32-bit
+    /// multiplication does two: (w₀ + 2^16 w₁) a, added up modulo 2^32, holds both sums (the bound on sums is that of
+    /// Colbert et al., "A2Q: Accumulator-Aware Quantization with Guaranteed Overflow Avoidance", 2023).
+    pub const fn new(
+        weights: &'a [i8; WEIGHTS],
+        biases: &'a [i16; BIASES],
+    ) -> Result<Weights<'a>, WeightsError> {
+        let mut from = 0;
+        let mut number = 0;
+        while number < LAYERS.len() {
+            let Layer {
+                taps,
+                inputs,
+                outputs,
+            } = LAYERS[number];
+            let mut output = 0;
+            while output < outputs {
+                let (mut above, mut below) = (0, 0);
+                let mut i = 0;
+                while i < taps * inputs {
+                    let w = weights[from + i * outputs + output] as i32;
+                    if w > 0 {
+                        above += w;
+                    } else {
+                        below -= w;
+                    }
+                    i += 1;
+                }
+                if above > MOST || below > MOST {
+                    return Err(WeightsError {
+                        layer: number,
+                        output,
+                    });
+                }
+                output += 1;
+            }
+            from += taps * inputs * outputs;
+            number += 1;
+        }
+        Ok(Weights { weights, biases })
+    }
+
+    /// Weights and biases, in the order above.
+    pub const fn tables(&self) -> (&'a [i8; WEIGHTS], &'a [i16; BIASES]) {
+        (self.weights, self.biases)
+    }
+
+    /// Layer `number`, its weights packed into the front of `words`; and the rest of those.
+    pub(super) fn pack<'w>(&self, number: usize, words: &'w mut [u32]) -> (Packed<'w>, &'w mut [u32])
+    where
+        'a: 'w,
+    {
+        let Layer {
+            taps,
+            inputs,
+            outputs,
+        } = LAYERS[number];
+        let before = LAYERS.iter().take(number);
+        let from: usize = before.clone().map(|l| l.taps * l.inputs * l.outputs).sum();
+        let biases: usize = before.map(|l| l.outputs).sum();
+        let (front, rest) = words.split_at_mut(taps * inputs * outputs / 2);
+        let (pairs, _) = self.weights[from..][..taps * inputs * outputs].as_chunks::<2>();
+        for (word, [low, high]) in front.iter_mut().zip(pairs) {
+            *word = (i32::from(*low) as u32).wrapping_add((i32::from(*high) as u32) << 16);
+        }
+        let packed = Packed {
+            words: front,
+            biases: &self.biases[biases..][..outputs],
+            inputs,
+        };
+        (packed, rest)
+    }
+}
+
+/// A layer ready to run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packed<'a> {
+    words: &'a [u32],
+    biases: &'a [i16],
+    inputs: usize,
+}
+
+impl Packed<'_> {
+    /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
+    pub fn convolve(&self, rows: [&[u8]; 3], out: &mut [u8]) {
+        match self.biases.len() {
+            8 => self.convolve_by::<4>(rows, out),
+            12 => self.convolve_by::<6>(rows, out),
+            _ => self.convolve_by::<8>(rows, out),
+        }
+    }
+
+    fn convolve_by<const PAIRS: usize>(&self, rows: [&[u8]; 3], out: &mut [u8]) {
+        let (words, _) = self.words.as_chunks::<PAIRS>();
+        let inputs = self.inputs;
+        let width = rows[0].len() / inputs;
+        for (x, out) in out.chunks_exact_mut(2 * PAIRS).take(width).enumerate() {
+            let mut sums = [0; PAIRS];
+            for (row, words) in rows.into_iter().zip(words.chunks_exact(3 * inputs)) {
+                if x > 0 && x + 1 < width {
+                    add::<PAIRS>(&mut sums, &row[(x - 1) * inputs..][..3 * inputs], words);
+                } else {
+                    let places = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                    for (place, words) in places.into_iter().zip(words.chunks_exact(inputs)) {
+                        add::<PAIRS>(&mut sums, &row[place * inputs..][..inputs], words);
+                    }
+                }
+            }
+            self.activate(&sums, out);
+        }
+    }
+
+    /// 1 × 1 over each pixel of a row, and the pixel of the coarser size above it; activations out.
+    pub fn merge(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
+        match self.biases.len() {
+            8 => self.merge_by::<4>(coarse, coarse_inputs, fine, out),
+            12 => self.merge_by::<6>(coarse, coarse_inputs, fine, out),
+            _ => self.merge_by::<8>(coarse, coarse_inputs, fine, out),
+        }
+    }
+
+    fn merge_by<const PAIRS: usize>(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
+        let (words, _) = self.words.as_chunks::<PAIRS>();
+        let (first, second) = words.split_at(coarse_inputs);
+        let pixels = fine.chunks_exact(self.inputs - coarse_inputs);
+        for (x, (pixel, out)) in pixels.zip(out.chunks_exact_mut(2 * PAIRS)).enumerate() {
+            let mut sums = [0; PAIRS];
+            add::<PAIRS>(
+                &mut sums,
+                &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs],
+                first,
+            );
+            add::<PAIRS>(&mut sums, pixel, second);
+            self.activate(&sums, out);
+        }
+    }
+
+    /// The head of a pixel: features in eighths, confidence and blend in 256ths about ½.
+    pub fn head(&self, pixel: &[u8]) -> [u8; HEAD] {
+        let (words, _) = self.words.as_chunks::<{ HEAD / 2 }>();
+        let mut sums = [0; HEAD / 2];
+        add(&mut sums, pixel, words);
+        let mut head = [0; HEAD];
+        for (i, (out, sum)) in head.iter_mut().zip(self.sums(&sums)).enumerate() {
+            *out = if i < 6 {
+                ((sum + 64) >> 7).clamp(-128, 127) as i8 as u8
+            } else {
+                (128 + ((sum + 8) >> 4)).clamp(0, 255) as u8
+            };
+        }
+        head
+    }
+
+    #[inline(always)]
+    fn activate<const PAIRS: usize>(&self, sums: &[u32; PAIRS], out: &mut [u8]) {
+        for (out, sum) in out.iter_mut().zip(self.sums(sums)) {
+            *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
+        }
+    }
+
+    /// Both sums of each word, with their biases.
+    #[inline(always)]
+    fn sums<const PAIRS: usize>(&self, sums: &[u32; PAIRS]) -> impl Iterator<Item = i32> {
+        let both = sums.iter().flat_map(|&word| {
+            let low = i32::from(word as i16);
+            [low, (word as i32).wrapping_sub(low) >> 16]
+        });
+        both.zip(self.biases).map(|(sum, &bias)| sum + i32::from(bias))
+    }
+}
+
+/// Products of activations with two weights a word, added up modulo 2^32.
+#[inline(always)]
+fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], inputs: &[u8], words: &[[u32; PAIRS]]) {
+    for (&input, words) in inputs.iter().zip(words) {
+        let input = u32::from(input);
+        for (sum, &word) in sums.iter_mut().zip(words) {
+            *sum = sum.wrapping_add(word.wrapping_mul(input));
+        }
+    }
+}

@@ -1,0 +1,59 @@
+use super::{Input, Network, NetworkError, Scratch, Weights, irradiance};
+use crate::film::Feature;
+use crate::film::denoise::{self, Filter, Size};
+use crate::film::feature::Irradiance;
+
+/// The network as a denoiser's filter.
+#[derive(Debug)]
+pub struct Neural<'a> {
+    network: Network<'a>,
+    light: &'a mut [[u16; 3]],
+    samples: u32,
+}
+
+impl<'a> Neural<'a> {
+    /// For frames of `size` and of `samples` a pixel each; `light` has a pixel for each of the frame's.
+    pub fn new(
+        weights: Weights<'a>,
+        size: Size,
+        samples: u32,
+        light: &'a mut [[u16; 3]],
+        scratch: Scratch<'a>,
+    ) -> Result<Neural<'a>, NetworkError> {
+        let network = Network::new(weights, size.width.into(), size.height.into(), scratch)?;
+        let needed = size.pixels();
+        let light = light
+            .get_mut(..needed)
+            .ok_or(NetworkError::Irradiance { needed })?;
+        Ok(Neural {
+            network,
+            light,
+            samples,
+        })
+    }
+}
+
+impl Filter for Neural<'_> {
+    /// Frames of another size than this filter's stay black.
+    fn filter(&mut self, _: Size, frame: &[Feature], lengths: &[u8], scratch: denoise::Scratch) {
+        for (light, pixel) in self.light.iter_mut().zip(frame) {
+            *light = irradiance(pixel);
+        }
+        let samples = self.samples;
+        let input = |at: usize| match (frame.get(at), lengths.get(at)) {
+            (Some(pixel), Some(&length)) => Input::new(pixel, samples.saturating_mul(length.into())),
+            _ => Input::new(&Feature::default(), samples),
+        };
+        scratch.light.fill(Irradiance::BLACK);
+        let mut rest = scratch.light.iter_mut();
+        let keep = |_: usize, row: &[[u16; 3]]| {
+            for (light, out) in row.iter().zip(&mut rest) {
+                *out = Irradiance::from_bits(light.map(u32::from), -12);
+            }
+        };
+        if frame.len() == self.light.len() {
+            // As many pixels as it was made for: nothing to refuse.
+            let _ = self.network.run(self.light, input, keep);
+        }
+    }
+}

@@ -1,0 +1,402 @@
+//! The neural filter: its sums against plain ones, what it keeps, and what it refuses.
+
+use microlux::film::denoise::network::{
+    BIASES, CHANNELS, CHECKSUM, HEAD, INPUTS, Input, LAYERS, LEVELS, MAX_SIDE, Needs, Network, NetworkError,
+    Scratch, TRAINED, WEIGHTS, Weights, WeightsError,
+};
+use microlux::num::Crc;
+
+struct Pcg(u64);
+
+impl Pcg {
+    fn next(&mut self) -> u32 {
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as u32
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        self.next() % end
+    }
+}
+
+/// Memory with something in it.
+struct Room {
+    bytes: Vec<u8>,
+    words: Vec<u32>,
+    light: Vec<[u16; 3]>,
+}
+
+impl Room {
+    fn new(width: usize, height: usize, fill: u8) -> Room {
+        let needs = Needs::of(width, height);
+        Room {
+            bytes: vec![fill; needs.bytes],
+            words: vec![u32::from(fill) * 0x0101_0101; needs.words],
+            light: vec![[u16::from(fill); 3]; needs.light],
+        }
+    }
+
+    fn lend(&mut self) -> Scratch<'_> {
+        Scratch {
+            bytes: &mut self.bytes,
+            words: &mut self.words,
+            light: &mut self.light,
+        }
+    }
+}
+
+fn denoise(
+    weights: Weights,
+    [width, height]: [usize; 2],
+    light: &[[u16; 3]],
+    input: impl FnMut(usize) -> Input,
+    fill: u8,
+) -> Vec<[u16; 3]> {
+    let mut room = Room::new(width, height, fill);
+    let mut out = Vec::new();
+    Network::new(weights, width, height, room.lend())
+        .unwrap()
+        .run(light, input, |y, row| {
+            assert_eq!(out.len(), y * width);
+            out.extend_from_slice(row);
+        })
+        .unwrap();
+    assert_eq!(out.len(), width * height);
+    out
+}
+
+const SIZES: [[usize; 2]; 7] = [[1, 1], [2, 1], [1, 9], [7, 5], [8, 8], [33, 17], [40, 30]];
+
+fn inputs(rng: &mut Pcg, count: usize) -> Vec<Input> {
+    (0..count)
+        .map(|_| Input::from_bits([0; INPUTS].map(|_| rng.below(64) as u8)))
+        .collect()
+}
+
+/// Weights with as much in each sum as is allowed, in few large ones or many small ones.
+fn weights(rng: &mut Pcg) -> (Box<[i8; WEIGHTS]>, Box<[i16; BIASES]>) {
+    let mut table = Box::new([0i8; WEIGHTS]);
+    let mut from = 0;
+    for layer in LAYERS {
+        let inputs = layer.taps * layer.inputs;
+        for output in 0..layer.outputs {
+            let (mut above, mut below) = (520, 520);
+            let largest = 1 + rng.below(127) as i32;
+            for _ in 0..2 * inputs {
+                let place = &mut table[from + rng.below(inputs as u32) as usize * layer.outputs + output];
+                let w = rng.below(2 * largest as u32 + 1) as i32 - largest;
+                if *place == 0 && w <= above && -w <= below {
+                    *place = w as i8;
+                    if w > 0 { above -= w } else { below += w }
+                }
+            }
+        }
+        from += inputs * layer.outputs;
+    }
+    let biases = Box::new([0i16; BIASES].map(|_| (rng.below(6000) as i32 - 2000) as i16));
+    (table, biases)
+}
+
+/// The heads of each size by plain sums: planes of `i32`, nothing packed, nothing in place.
+fn plainly(
+    table: &[i8],
+    biases: &[i16],
+    input: &[Input],
+    width: usize,
+    height: usize,
+) -> Vec<Vec<[i32; HEAD]>> {
+    struct Planes {
+        width: usize,
+        height: usize,
+        pixels: Vec<Vec<i32>>,
+    }
+    let place = |number: usize| -> (usize, usize) {
+        let before = &LAYERS[..number];
+        let weights = before.iter().map(|l| l.taps * l.inputs * l.outputs).sum();
+        (weights, before.iter().map(|l| l.outputs).sum())
+    };
+    let sums = |number: usize, from: &Planes| -> Vec<Vec<i32>> {
+        let layer = LAYERS[number];
+        let (first, bias) = place(number);
+        let reach = (layer.taps == 9) as i32;
+        let at = |x: i32, y: i32| {
+            let (x, y) = (
+                x.clamp(0, from.width as i32 - 1),
+                y.clamp(0, from.height as i32 - 1),
+            );
+            &from.pixels[y as usize * from.width + x as usize]
+        };
+        let mut out = Vec::new();
+        for y in 0..from.height as i32 {
+            for x in 0..from.width as i32 {
+                let mut sum: Vec<i32> = biases[bias..][..layer.outputs]
+                    .iter()
+                    .map(|&b| b.into())
+                    .collect();
+                let mut weight = table[first..].iter();
+                for dy in -reach..=reach {
+                    for dx in -reach..=reach {
+                        for a in at(x + dx, y + dy) {
+                            for sum in &mut sum {
+                                *sum += a * i32::from(*weight.next().unwrap());
+                            }
+                        }
+                    }
+                }
+                out.push(sum);
+            }
+        }
+        out
+    };
+    let layer = |number: usize, from: &Planes| -> Planes {
+        let activate = |sum: i32| (f64::from(sum) / 64.0 + 0.5).floor().clamp(0.0, 63.0) as i32;
+        let pixels = sums(number, from)
+            .into_iter()
+            .map(|p| p.into_iter().map(activate).collect());
+        Planes {
+            pixels: pixels.collect(),
+            ..*from
+        }
+    };
+    let half = |from: &Planes| -> Planes {
+        let (width, height) = (from.width.div_ceil(2), from.height.div_ceil(2));
+        let mut pixels = vec![vec![i32::MIN; from.pixels[0].len()]; width * height];
+        for (at, pixel) in from.pixels.iter().enumerate() {
+            let to = &mut pixels[at / from.width / 2 * width + at % from.width / 2];
+            to.iter_mut()
+                .zip(pixel)
+                .for_each(|(to, from)| *to = (*to).max(*from));
+        }
+        Planes {
+            width,
+            height,
+            pixels,
+        }
+    };
+    let seen = Planes {
+        width,
+        height,
+        pixels: input
+            .iter()
+            .map(|i| i.to_bits().map(i32::from).to_vec())
+            .collect(),
+    };
+    let mut down = vec![layer(0, &seen)];
+    for level in 1..LEVELS {
+        down.push(layer(level, &half(&down[level - 1])));
+    }
+    let mut up = layer(LEVELS, &down[LEVELS - 1]);
+    let head = |level: usize, from: &Planes| -> Vec<[i32; HEAD]> {
+        let round = |sum: i32, by: f64| (f64::from(sum) / by + 0.5).floor() as i32;
+        let all = sums(11 + level, from).into_iter();
+        all.map(|sum| {
+            core::array::from_fn(|i| {
+                if i < 6 {
+                    round(sum[i], 128.0).clamp(-128, 127)
+                } else {
+                    (128 + round(sum[i], 16.0)).clamp(0, 255)
+                }
+            })
+        })
+        .collect()
+    };
+    let mut heads = vec![head(LEVELS - 1, &up)];
+    for (number, level) in (0..LEVELS - 1).rev().enumerate() {
+        let fine = &down[level];
+        let mut joined = Planes {
+            pixels: Vec::new(),
+            ..*fine
+        };
+        for at in 0..fine.width * fine.height {
+            let mut pixel = up.pixels[at / fine.width / 2 * up.width + at % fine.width / 2].clone();
+            pixel.extend(&fine.pixels[at]);
+            joined.pixels.push(pixel);
+        }
+        up = layer(6 + 2 * number, &layer(5 + 2 * number, &joined));
+        heads.push(head(level, &up));
+    }
+    heads.reverse();
+    heads
+}
+
+#[test]
+fn two_sums_in_a_word_are_both_sums() {
+    let mut rng = Pcg(1);
+    for [width, height] in SIZES {
+        let (table, biases) = weights(&mut rng);
+        let input = inputs(&mut rng, width * height);
+        let mut room = Room::new(width, height, 0xaa);
+        let weights = Weights::new(&table, &biases).unwrap();
+        let mut network = Network::new(weights, width, height, room.lend()).unwrap();
+        network.extract(|at| input[at]);
+        let plain = plainly(&*table, &*biases, &input, width, height);
+        for level in 0..LEVELS {
+            let heads = network.heads(level);
+            assert_eq!(heads.len(), plain[level].len());
+            for (head, plain) in heads.iter().zip(&plain[level]) {
+                let head: [i32; HEAD] = core::array::from_fn(|i| {
+                    if i < 6 {
+                        i32::from(head[i] as i8)
+                    } else {
+                        head[i].into()
+                    }
+                });
+                assert_eq!(head, *plain, "{width} x {height}, size {level}");
+            }
+        }
+    }
+}
+
+#[test]
+fn light_that_is_the_same_all_over_stays() {
+    let mut rng = Pcg(2);
+    for [width, height] in SIZES {
+        let (table, biases) = weights(&mut rng);
+        let input = inputs(&mut rng, width * height);
+        for light in [[0, 1, 65535], [4096, 3, 777], [65535; 3]] {
+            let all = vec![light; width * height];
+            for weights in [TRAINED, Weights::new(&table, &biases).unwrap()] {
+                let out = denoise(weights, [width, height], &all, |at| input[at], 1);
+                assert_eq!(out, all, "{width} x {height}");
+            }
+        }
+    }
+}
+
+#[test]
+fn light_is_mixed_and_never_made() {
+    let mut rng = Pcg(3);
+    for [width, height] in SIZES {
+        let (table, biases) = weights(&mut rng);
+        let weights = Weights::new(&table, &biases).unwrap();
+        let input = inputs(&mut rng, width * height);
+        let light: Vec<[u16; 3]> = (0..width * height)
+            .map(|_| [0; 3].map(|_| (1000 + rng.below(40_000)) as u16))
+            .collect();
+        let out = denoise(weights, [width, height], &light, |at| input[at], 2);
+        for c in 0..3 {
+            let (low, high) = (light.iter().map(|l| l[c]).min(), light.iter().map(|l| l[c]).max());
+            let (low, high) = (i32::from(low.unwrap()), i32::from(high.unwrap()));
+            // A quotient's error: 2^-13.5 of the difference, at four sizes and between them.
+            let slack = (high - low) / 1024 + 4;
+            for pixel in &out {
+                let value = i32::from(pixel[c]);
+                assert!(
+                    (low - slack..=high + slack).contains(&value),
+                    "{value}: {low} to {high}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_panics_and_every_run_is_the_same() {
+    let mut rng = Pcg(4);
+    for round in 0..20 {
+        let (table, biases) = weights(&mut rng);
+        let biases = biases.map(|b| {
+            if round % 2 == 0 {
+                b
+            } else {
+                (rng.next() >> 8) as i16
+            }
+        });
+        let weights = Weights::new(&table, &biases).unwrap();
+        let [width, height] = SIZES[round % SIZES.len()];
+        let extreme = |rng: &mut Pcg| [0, u16::MAX, 1, rng.next() as u16][rng.below(4) as usize];
+        let light: Vec<[u16; 3]> = (0..width * height)
+            .map(|_| [0; 3].map(|_| extreme(&mut rng)))
+            .collect();
+        let input: Vec<Input> = (0..width * height)
+            .map(|_| {
+                Input::from_bits([0; INPUTS].map(|_| [0, 63, 255, rng.next() as u8][rng.below(4) as usize]))
+            })
+            .collect();
+        let crc = |fill: u8| {
+            let mut crc = Crc::new();
+            for pixel in denoise(weights, [width, height], &light, |at| input[at], fill) {
+                pixel.iter().for_each(|c| crc.bytes(&c.to_le_bytes()));
+            }
+            crc.value()
+        };
+        assert_eq!(crc(0), crc(0xff));
+    }
+}
+
+#[test]
+fn what_is_short_is_named() {
+    let [width, height] = [33, 17];
+    let needs = Needs::of(width, height);
+    let refused = |bytes: usize, words: usize, light: usize| {
+        let mut room = Room::new(width, height, 0);
+        room.bytes.truncate(bytes);
+        room.words.truncate(words);
+        room.light.truncate(light);
+        Network::new(TRAINED, width, height, room.lend()).err()
+    };
+    let Needs { bytes, words, light } = needs;
+    assert_eq!(refused(bytes, words, light), None);
+    assert_eq!(
+        refused(bytes - 1, words, light),
+        Some(NetworkError::Bytes { needed: bytes })
+    );
+    assert_eq!(
+        refused(bytes, words - 1, light),
+        Some(NetworkError::Words { needed: words })
+    );
+    assert_eq!(
+        refused(bytes, words, light - 1),
+        Some(NetworkError::Light { needed: light })
+    );
+    for [width, height] in [[0, 4], [4, 0], [MAX_SIDE + 1, 4], [usize::MAX; 2]] {
+        let mut room = Room::new(4, 4, 0);
+        let error = Network::new(TRAINED, width, height, room.lend()).err();
+        assert_eq!(error, Some(NetworkError::Size { width, height }));
+    }
+    let mut room = Room::new(width, height, 0);
+    let mut network = Network::new(TRAINED, width, height, room.lend()).unwrap();
+    let needed = width * height;
+    let error = network.filter(&vec![[0; 3]; needed - 1], |_, _| {});
+    assert_eq!(error, Err(NetworkError::Irradiance { needed }));
+    let words = NetworkError::Words { needed: 7 }.to_string();
+    assert_eq!(words, "scratch.words is short: 7 words are needed");
+}
+
+#[test]
+fn weights_whose_sums_do_not_fit_are_refused() {
+    let mut table = Box::new([0i8; WEIGHTS]);
+    let biases = [0; BIASES];
+    // Output 2 of the second layer: 520 is the most, above and below 0.
+    let first = 9 * INPUTS * CHANNELS[0] + 2;
+    for sign in [1, -1] {
+        for (i, w) in [100, 100, 100, 100, 120].into_iter().enumerate() {
+            table[first + i * CHANNELS[1]] = w * sign;
+        }
+        assert!(Weights::new(&table, &biases).is_ok());
+        table[first + 5 * CHANNELS[1]] = sign;
+        let error = Weights::new(&table, &biases).err();
+        assert_eq!(error, Some(WeightsError { layer: 1, output: 2 }));
+        table.fill(0);
+    }
+}
+
+#[test]
+fn trained_weights_are_those_that_were_exported() {
+    let (weights, biases) = TRAINED.tables();
+    let mut crc = Crc::new();
+    weights.iter().for_each(|w| crc.bytes(&w.to_le_bytes()));
+    biases.iter().for_each(|b| crc.bytes(&b.to_le_bytes()));
+    assert_eq!(crc.value(), CHECKSUM);
+    assert!(size_of_val(weights) + size_of_val(biases) <= 16 << 10);
+}
+
+#[test]
+fn memory_at_the_size_of_a_small_display() {
+    let needs = Needs::of(80, 60);
+    let all = needs.bytes + 4 * needs.words + 6 * needs.light;
+    assert_eq!(all, 100_128);
+}

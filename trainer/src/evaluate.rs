@@ -1,0 +1,361 @@
+//! How good the filter is on scenes that training never saw, beside others.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, anyhow, ensure};
+use host_sim::metrics::Metrics;
+use host_sim::picture;
+use indicatif::{ProgressBar, ProgressStyle};
+use microlux::color::Radiance;
+use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
+use microlux::film::denoise::{Denoiser, Filter, Memory, Size};
+use microlux::film::feature::{Feature, Irradiance, albedo_code};
+use microlux::geom::{Dir, Octahedral};
+use microlux::num::Share;
+use microlux::render::Motion;
+
+use crate::classical::{self, Kind};
+use crate::data::{SAMPLES, Shot};
+use crate::export;
+use crate::nn::{self, Light, Mode, Params};
+use crate::picture::Picture;
+use crate::scenes::Split;
+use crate::train::State;
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Options {
+    /// Folder that `data` filled
+    #[arg(long, default_value = "data")]
+    data: PathBuf,
+    /// What `train` left; without it the weights that the crate has
+    #[arg(long)]
+    state: Option<PathBuf>,
+    /// The folder `pyoidn/oidn` of the Python package `pyoidn`, for Open Image Denoise beside ours
+    #[arg(long)]
+    oidn: Option<PathBuf>,
+    /// Folder that gets a strip of pictures for each scene: noisy, each method, reference
+    #[arg(long)]
+    pictures: Option<PathBuf>,
+    /// Markdown that is written
+    #[arg(long, default_value = "evaluation.md")]
+    out: PathBuf,
+}
+
+/// Light of each pixel, linear.
+type Rgb = Vec<[f32; 3]>;
+
+pub fn run(options: &Options) -> Result<()> {
+    let shots = Shot::read_all(&options.data, Split::Test)?;
+    let validation = Shot::read_all(&options.data, Split::Validation)?;
+    let params = match &options.state {
+        Some(file) => State::read(file)?.params,
+        None => {
+            let (weights, biases) = TRAINED.tables();
+            Params {
+                weights: weights.iter().map(|&w| w.into()).collect(),
+                biases: biases.iter().map(|&b| b.into()).collect(),
+            }
+        }
+    };
+    let (weights, biases) = export::rounded(&params)?;
+    let weights = Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}"))?;
+
+    let mut text = String::new();
+    for count in [1, 4] {
+        let tuned = [Kind::ATrous, Kind::Bilateral].map(|kind| classical::tune(&validation, kind, count));
+        let mut methods = vec![
+            "noisy",
+            "à-trous",
+            "joint bilateral",
+            "ours, float",
+            "ours, integers",
+            "the same after the firefly clamp",
+        ];
+        if options.oidn.is_some() {
+            methods.extend(["OIDN fast", "OIDN high"]);
+        }
+        let mut sums = vec![[0.0; 3]; methods.len()];
+        let mut worst = vec![f64::INFINITY; methods.len()];
+        let bar = ProgressBar::new(shots.len() as u64).with_style(ProgressStyle::with_template(
+            "{prefix} {wide_bar} {pos}/{len} {msg}",
+        )?);
+        bar.set_prefix(format!("{count} spp"));
+        let mut each = String::new();
+        for shot in &shots {
+            bar.set_message(shot.name.clone());
+            let scene = Picture::whole(shot, 0, count);
+            let noisy = radiance(shot, count);
+            let seen = |mode| {
+                let params = params.seen(mode);
+                let trace = nn::extract(&params, scene.input(), mode);
+                let light = nn::filter(&scene.irradiance, &trace.heads, mode)
+                    .out
+                    .swap_remove(0);
+                lit(&scene, &light)
+            };
+            let mut results = vec![
+                noisy.clone(),
+                lit(&scene, &classical::filter(&scene, Kind::ATrous, &tuned[0])),
+                lit(&scene, &classical::filter(&scene, Kind::Bilateral, &tuned[1])),
+                seen(Mode::Float),
+                seen(Mode::Integer),
+                ours(weights, &scene)?,
+            ];
+            if let Some(oidn) = &options.oidn {
+                for quality in ["fast", "high"] {
+                    results.push(by_oidn(oidn, quality, &scene, &noisy)?);
+                }
+            }
+            write!(each, "| `{}` |", shot.name)?;
+            for (i, result) in results.iter().enumerate() {
+                let values = measure(shot.side, result, &shot.reference)?;
+                (0..3).for_each(|k| sums[i][k] += values[k]);
+                worst[i] = worst[i].min(values[0] - measure(shot.side, &noisy, &shot.reference)?[0]);
+                write!(each, " {:.2} |", values[0])?;
+            }
+            writeln!(each)?;
+            if let Some(folder) = &options.pictures {
+                fs::create_dir_all(folder)?;
+                results.push(shot.reference.clone());
+                strip(
+                    &folder.join(format!("{}-{count}.png", shot.name)),
+                    shot.side,
+                    &results,
+                )?;
+            }
+            bar.inc(1);
+        }
+        bar.finish();
+        let spp = shots[0].reference_spp;
+        writeln!(
+            text,
+            "{count} spp, {} scenes, references of {spp} spp:\n",
+            shots.len()
+        )?;
+        writeln!(text, "| | PSNR, dB | SSIM | FLIP |\n|---|--:|--:|--:|")?;
+        for (name, sum) in methods.iter().zip(&sums) {
+            let [psnr, ssim, flip] = sum.map(|x| x / shots.len() as f64);
+            writeln!(text, "| {name} | {psnr:.2} | {ssim:.4} | {flip:.4} |")?;
+        }
+        writeln!(
+            text,
+            "\nPSNR of each scene:\n\n| | {} |\n|---|{}",
+            methods.join(" | "),
+            "--:|".repeat(methods.len())
+        )?;
+        writeln!(text, "{each}")?;
+    }
+    fs::write(&options.out, &text)?;
+    println!("{text}");
+    Ok(())
+}
+
+/// The noisy picture itself.
+fn radiance(shot: &Shot, count: usize) -> Rgb {
+    let pixels = shot.samples.chunks_exact(SAMPLES);
+    pixels
+        .map(|samples| {
+            let mut sum = [0.0; 3];
+            for s in &samples[..count] {
+                for c in 0..3 {
+                    sum[c] += s.irradiance[c].to_f32() * f32::from(s.albedo[c]) / 255.0 / count as f32;
+                }
+            }
+            sum
+        })
+        .collect()
+}
+
+fn lit(scene: &Picture, light: &[Light]) -> Rgb {
+    let pixels = light.iter().zip(&scene.albedo);
+    pixels
+        .map(|(l, a)| [l[0] * a[0], l[1] * a[1], l[2] * a[2]])
+        .collect()
+}
+
+/// By the core's denoiser, one frame without history, from features as the film has them.
+fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
+    let features: Vec<Feature> = (0..scene.depth.len())
+        .map(|at| {
+            let [r, g, b, _] = scene.irradiance[at].map(|c| (c * 65536.0) as u32);
+            let share = |a: f32| Share::from_bits((a * 32768.0).round() as u16);
+            let normal = scene.normal[at].map(|c| (c * 65536.0) as i32);
+            Feature {
+                irradiance: Irradiance::from_bits([r, g, b], -16),
+                albedo: scene.albedo[at].map(|a| albedo_code(share(a))),
+                depth: scene.depth[at].round() as u8,
+                normal: Octahedral::encode(Dir::new(normal).unwrap_or(Dir::Z)),
+                id: 0,
+            }
+        })
+        .collect();
+    let size = Size {
+        width: scene.width as u16,
+        height: scene.height as u16,
+    };
+    let mut frames = [features, vec![Feature::default(); size.pixels()]];
+    let mut lengths = [vec![0; size.pixels()], vec![0; size.pixels()]];
+    let mut rows = vec![Irradiance::BLACK; 2 * scene.width];
+    let [a, b] = &mut frames;
+    let [c, d] = &mut lengths;
+    let memory = Memory {
+        frames: [a, b],
+        lengths: [c, d],
+        rows: &mut rows,
+    };
+    let mut denoiser = Denoiser::new(size, memory)?;
+    let clean = denoiser.denoise(None::<&Motion>, filter);
+    let linear = |light: Radiance| {
+        let (m, e) = light.to_parts();
+        m.map(|m| f32::from(m) * (f32::from(e) - 15.0).exp2())
+    };
+    let places = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
+    Ok(places.map(|(x, y)| linear(clean.pixel(x, y))).collect())
+}
+
+/// By the network, in the core.
+fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
+    let needs = Needs::of(scene.width, scene.height);
+    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
+    let mut room = vec![[0; 3]; needs.light];
+    let mut light = vec![[0; 3]; scene.depth.len()];
+    let scratch = Scratch {
+        bytes: &mut bytes,
+        words: &mut words,
+        light: &mut room,
+    };
+    let size = Size {
+        width: scene.width as u16,
+        height: scene.height as u16,
+    };
+    let mut neural = Neural::new(weights, size, scene.samples, &mut light, scratch)?;
+    core(&mut neural, scene)
+}
+
+/// By Open Image Denoise, with albedo and normals of the same few samples.
+fn by_oidn(oidn: &Path, quality: &str, scene: &Picture, noisy: &Rgb) -> Result<Rgb> {
+    let folder = std::env::temp_dir().join(format!("microlux-oidn-{}", std::process::id()));
+    fs::create_dir_all(&folder)?;
+    let file = |name: &str| folder.join(name);
+    for (name, pixels) in [
+        ("c.pfm", noisy),
+        ("a.pfm", &scene.albedo),
+        ("n.pfm", &scene.normal),
+    ] {
+        write_pfm(&file(name), scene.width, pixels)?;
+    }
+    let output = Command::new(oidn.join("bin/oidnDenoise"))
+        .env("LD_LIBRARY_PATH", oidn.join("lib"))
+        .args(["-d", "cpu", "-q", quality, "--hdr"])
+        .arg(file("c.pfm"))
+        .arg("--alb")
+        .arg(file("a.pfm"))
+        .arg("--nrm")
+        .arg(file("n.pfm"))
+        .arg("-o")
+        .arg(file("o.pfm"))
+        .output()
+        .with_context(|| format!("{}", oidn.display()))?;
+    ensure!(
+        output.status.success(),
+        "oidnDenoise: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let out = read_pfm(&file("o.pfm"), scene.width)?;
+    fs::remove_dir_all(&folder)?;
+    Ok(out)
+}
+
+/// Portable float map: bottom row first, little end first.
+fn write_pfm(file: &Path, width: usize, pixels: &[[f32; 3]]) -> Result<()> {
+    let mut bytes = format!("PF\n{width} {}\n-1.0\n", pixels.len() / width).into_bytes();
+    for row in pixels.chunks_exact(width).rev() {
+        row.as_flattened()
+            .iter()
+            .for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
+    }
+    Ok(fs::File::create(file)?.write_all(&bytes)?)
+}
+
+fn read_pfm(file: &Path, width: usize) -> Result<Rgb> {
+    let bytes = fs::read(file).with_context(|| format!("{}", file.display()))?;
+    let mut lines = bytes.splitn(4, |&b| b == b'\n');
+    let body = lines.nth(3).context("a header of three lines")?;
+    let floats: Vec<f32> = body
+        .chunks_exact(4)
+        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+        .collect();
+    let rows = floats.chunks_exact(3 * width).rev();
+    Ok(rows.flat_map(|row| row.as_chunks::<3>().0.to_vec()).collect())
+}
+
+/// PSNR (dB), SSIM and FLIP of sRGB signals of x / (1 + x).
+fn measure(width: usize, rgb: &Rgb, reference: &Rgb) -> Result<[f64; 3]> {
+    let mapped = |rgb: &Rgb| picture::Picture {
+        width,
+        height: rgb.len() / width,
+        rgb: rgb
+            .iter()
+            .map(|p| p.map(|c| c.max(0.0) / (1.0 + c.max(0.0))))
+            .collect(),
+        aov: None,
+        display: None,
+    };
+    let (a, b) = (mapped(rgb), mapped(reference));
+    let metrics = Metrics::of(&a, &b)?;
+    let grey = |p: &picture::Picture| -> Vec<f64> {
+        let luminance = |p: &[f32; 3]| {
+            let [r, g, b] = p.map(|c| picture::srgb(f64::from(c)));
+            0.2126 * r + 0.7152 * g + 0.0722 * b
+        };
+        p.rgb.iter().map(luminance).collect()
+    };
+    Ok([metrics.psnr_db, ssim(width, &grey(&a), &grey(&b)), metrics.flip])
+}
+
+/// Wang et al. 2004: 11 × 11 Gaussian of 1.5 pixels, within the picture.
+fn ssim(width: usize, a: &[f64], b: &[f64]) -> f64 {
+    let height = a.len() / width;
+    let tap = |i: i32| (-f64::from(i * i) / 4.5).exp();
+    let (mut total, mut count) = (0.0, 0.0);
+    for y in 5..height - 5 {
+        for x in 5..width - 5 {
+            let (mut w, mut s) = (0.0, [0.0; 5]);
+            for dy in -5..=5 {
+                for dx in -5..=5 {
+                    let at = (y as i32 + dy) as usize * width + (x as i32 + dx) as usize;
+                    let (t, p, q) = (tap(dx) * tap(dy), a[at], b[at]);
+                    w += t;
+                    for (s, v) in s.iter_mut().zip([p, q, p * p, q * q, p * q]) {
+                        *s += t * v;
+                    }
+                }
+            }
+            let [p, q, pp, qq, pq] = s.map(|v| v / w);
+            let (c1, c2) = (1e-4, 9e-4);
+            total += (2.0 * p * q + c1) * (2.0 * (pq - p * q) + c2)
+                / ((p * p + q * q + c1) * (pp - p * p + qq - q * q + c2));
+            count += 1.0;
+        }
+    }
+    total / count
+}
+
+/// Pictures side by side, each pixel three wide.
+fn strip(file: &Path, side: usize, pictures: &[Rgb]) -> Result<()> {
+    let scale = 2;
+    let mut strip = image::RgbImage::new((pictures.len() * side * scale) as u32, (side * scale) as u32);
+    for (x, y, pixel) in strip.enumerate_pixels_mut() {
+        let (x, y) = (x as usize / scale, y as usize / scale);
+        let rgb = pictures[x / side][y * side + x % side];
+        *pixel = image::Rgb(rgb.map(|c| {
+            let c = c.max(0.0);
+            (picture::srgb(f64::from(c / (1.0 + c))) * 255.0).round() as u8
+        }));
+    }
+    Ok(strip.save(file)?)
+}

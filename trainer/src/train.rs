@@ -1,0 +1,494 @@
+//! The training itself: crops, gradients, Adam, and a file to go on from.
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use anyhow::{Context, Result, ensure};
+use indicatif::{ProgressBar, ProgressStyle};
+use microlux::film::denoise::network::{BIASES, LAYERS, WEIGHTS};
+use rand::{Rng, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+
+use crate::data::{SAMPLES, Shot};
+use crate::nn::{self, Mode, Params};
+use crate::picture::{self, Picture};
+use crate::scenes::Split;
+
+#[derive(Clone, Debug, clap::Args)]
+pub struct Options {
+    /// Folder that `data` filled
+    #[arg(long, default_value = "data")]
+    data: PathBuf,
+    /// File that training goes on from, if it is there, and leaves
+    #[arg(long, default_value = "state.bin")]
+    state: PathBuf,
+    /// Text that gets a line every `--every` steps
+    #[arg(long, default_value = "train.txt")]
+    log: PathBuf,
+    /// Steps in all; the learning rate falls over them
+    #[arg(long, default_value_t = 20_000)]
+    steps: u32,
+    /// Crops a step
+    #[arg(long, default_value_t = 4)]
+    batch: u32,
+    /// Width and height of a crop, pixels
+    #[arg(long, default_value_t = 64)]
+    crop: usize,
+    /// Learning rate at the top, of weights of about 1
+    #[arg(long, default_value_t = 4e-3)]
+    rate: f32,
+    /// Share of the steps after which numbers are rounded as in the core
+    #[arg(long, default_value_t = 0.5)]
+    rounded_from: f32,
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Steps between lines of the log, and between states that are kept
+    #[arg(long, default_value_t = 500)]
+    every: u32,
+    /// Threads; the weights are the same for any number
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+}
+
+/// Weights, the optimiser's moments, and how far it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct State {
+    pub step: u32,
+    pub params: Params,
+    first: Params,
+    second: Params,
+}
+
+const MAGIC: &[u8; 8] = b"mlxstat1";
+
+impl State {
+    /// He's uniform weights; nothing in the biases.
+    fn new(seed: u64) -> State {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let mut params = Params::zero();
+        for (number, layer) in LAYERS.iter().enumerate() {
+            let (from, _) = nn::place(number);
+            let fan_in = (layer.taps * layer.inputs) as f32;
+            let most = 64.0 * (3.0 / fan_in).sqrt() * if number >= 11 { 0.5 } else { 1.0 };
+            for w in &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs] {
+                *w = rng.random_range(-most..most);
+            }
+        }
+        State {
+            step: 0,
+            params,
+            first: Params::zero(),
+            second: Params::zero(),
+        }
+    }
+
+    pub fn read(file: &Path) -> Result<State> {
+        let bytes = fs::read(file).with_context(|| format!("{}", file.display()))?;
+        let numbers = 3 * (WEIGHTS + BIASES);
+        ensure!(
+            bytes.len() == 12 + 4 * numbers && &bytes[..8] == MAGIC,
+            "{}: not a state of this network",
+            file.display()
+        );
+        let step = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]);
+        let mut floats = bytes[12..]
+            .chunks_exact(4)
+            .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
+        let mut params = || Params {
+            weights: floats.by_ref().take(WEIGHTS).collect(),
+            biases: floats.by_ref().take(BIASES).collect(),
+        };
+        Ok(State {
+            step,
+            params: params(),
+            first: params(),
+            second: params(),
+        })
+    }
+
+    fn write(&self, file: &Path) -> Result<()> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend_from_slice(&self.step.to_le_bytes());
+        for params in [&self.params, &self.first, &self.second] {
+            for x in params.weights.iter().chain(&params.biases) {
+                bytes.extend_from_slice(&x.to_le_bytes());
+            }
+        }
+        let beside = file.with_extension("part");
+        fs::File::create(&beside)?.write_all(&bytes)?;
+        Ok(fs::rename(beside, file)?)
+    }
+
+    /// One step of Adam (Kingma and Ba, 2015), then the bound on sums.
+    fn update(&mut self, gradient: &Params, rate: f32) {
+        self.step += 1;
+        let (b1, b2) = (0.9f32, 0.99f32);
+        let (c1, c2) = (1.0 - b1.powi(self.step as i32), 1.0 - b2.powi(self.step as i32));
+        let all = |params: &mut [f32], first: &mut [f32], second: &mut [f32], gradient: &[f32], unit: f32| {
+            for (((p, m), v), g) in params.iter_mut().zip(first).zip(second).zip(gradient) {
+                *m = b1 * *m + (1.0 - b1) * g;
+                *v = b2 * *v + (1.0 - b2) * g * g;
+                *p -= rate * unit * (*m / c1) / ((*v / c2).sqrt() + 1e-12);
+            }
+        };
+        let State {
+            params,
+            first,
+            second,
+            ..
+        } = self;
+        all(
+            &mut params.weights,
+            &mut first.weights,
+            &mut second.weights,
+            &gradient.weights,
+            64.0,
+        );
+        all(
+            &mut params.biases,
+            &mut first.biases,
+            &mut second.biases,
+            &gradient.biases,
+            1024.0,
+        );
+        bound(params);
+    }
+}
+
+/// The bound of `microlux`'s `Weights::new` on each output's weights above 0, and below, once rounded: those that
+/// pass it are made smaller together.
+pub fn bound(params: &mut Params) {
+    params
+        .weights
+        .iter_mut()
+        .for_each(|w| *w = w.clamp(-127.0, 127.0));
+    params
+        .biases
+        .iter_mut()
+        .for_each(|b| *b = b.clamp(-32768.0, 32767.0));
+    for (number, layer) in LAYERS.iter().enumerate() {
+        let (from, _) = nn::place(number);
+        let weights = &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs];
+        for output in 0..layer.outputs {
+            for sign in [1.0f32, -1.0] {
+                loop {
+                    let side = weights[output..]
+                        .iter()
+                        .step_by(layer.outputs)
+                        .map(|w| (w * sign).round().max(0.0));
+                    let sum: f32 = side.sum();
+                    if sum <= 520.0 {
+                        break;
+                    }
+                    for w in weights[output..].iter_mut().step_by(layer.outputs) {
+                        if *w * sign > 0.0 {
+                            *w *= 519.0 / sum;
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A crop's loss, its gradient added to `gradient`.
+fn learn(seen: &Params, picture: &Picture, mode: Mode, gradient: &mut Params) -> f32 {
+    let trace = nn::extract(seen, picture.input(), mode);
+    let filtered = nn::filter(&picture.irradiance, &trace.heads, mode);
+    let (loss, d) = picture::loss(picture, &filtered.out[0]);
+    let heads = nn::filter_back(&trace.heads, &filtered, d, mode);
+    nn::extract_back(seen, &trace, &heads, gradient);
+    loss
+}
+
+/// dB of the tone-mapped pictures of a split, of 1 and of 4 samples; noisy ones where there are no params.
+pub fn quality(shots: &[Shot], params: Option<(&Params, Mode)>) -> [f64; 2] {
+    [1, 4].map(|count| {
+        let each = shots.par_iter().map(|shot| {
+            let picture = Picture::whole(shot, 0, count);
+            let squared = match params {
+                None => picture::squared(&picture, &picture.irradiance),
+                Some((params, mode)) => {
+                    let seen = params.seen(mode);
+                    let trace = nn::extract(&seen, picture.input(), mode);
+                    let filtered = nn::filter(&picture.irradiance, &trace.heads, mode);
+                    picture::squared(&picture, &filtered.out[0])
+                }
+            };
+            -10.0 * squared.max(1e-9).log10()
+        });
+        each.collect::<Vec<_>>().iter().sum::<f64>() / shots.len() as f64
+    })
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads)
+        .build()?;
+    pool.install(|| train(options))
+}
+
+fn train(options: &Options) -> Result<()> {
+    let shots = Shot::read_all(&options.data, Split::Train)?;
+    let validation = Shot::read_all(&options.data, Split::Validation)?;
+    ensure!(
+        options.crop % 8 == 0 && shots.iter().all(|shot| shot.side >= options.crop),
+        "crops of {} do not fit the pictures, or 8",
+        options.crop
+    );
+    let mut state = if options.state.exists() {
+        State::read(&options.state)?
+    } else {
+        State::new(options.seed)
+    };
+    let mut log = fs::OpenOptions::new()
+        .create(true)
+        .append(true)
+        .open(&options.log)?;
+    if state.step == 0 {
+        writeln!(
+            log,
+            "# {} scenes, {} for validation; steps {}, batch {}, crop {}, rate {}, rounded from {}, seed {}",
+            shots.len(),
+            validation.len(),
+            options.steps,
+            options.batch,
+            options.crop,
+            options.rate,
+            options.rounded_from,
+            options.seed
+        )?;
+        let [one, four] = quality(&validation, None);
+        writeln!(
+            log,
+            "# validation, noisy: {one:.2} dB at 1 spp, {four:.2} dB at 4 spp"
+        )?;
+        writeln!(
+            log,
+            "# step  rate  loss  dB at 1 spp, 4 spp (as rounded at that step)  seconds"
+        )?;
+    }
+    let bar = ProgressBar::new(u64::from(options.steps)).with_style(ProgressStyle::with_template(
+        "{wide_bar} {pos}/{len} {per_sec} {eta} {msg}",
+    )?);
+    let started = Instant::now();
+    let mut losses = Vec::new();
+    while state.step < options.steps {
+        let step = state.step;
+        let share = step as f32 / options.steps as f32;
+        let mode = if share < options.rounded_from {
+            Mode::Float
+        } else {
+            Mode::Integer
+        };
+        let cosine = 0.5 * (1.0 + (std::f32::consts::PI * share).cos());
+        let rate = options.rate * ((step + 1) as f32 / 100.0).min(1.0) * (0.99 * cosine + 0.01);
+        let seen = state.params.seen(mode);
+        let one = |number: u32| {
+            let stream = options.seed << 40 | u64::from(step) << 8 | u64::from(number);
+            let mut rng = Pcg64Mcg::seed_from_u64(stream);
+            let shot = &shots[rng.random_range(0..shots.len())];
+            let count = [1, 1, 2, 4, 4, 8, 16][rng.random_range(0..7usize)];
+            let from = rng.random_range(0..SAMPLES / count) * count;
+            let room = shot.side - options.crop;
+            let place = [0; 2].map(|_| rng.random_range(0..=room));
+            let mut picture = Picture::cut(shot, from, count, place, options.crop);
+            picture.vary(&mut rng);
+            let mut gradient = Params::zero();
+            let loss = learn(&seen, &picture, mode, &mut gradient);
+            (loss, gradient)
+        };
+        // In order, so that any number of threads adds up the same.
+        let parts: Vec<(f32, Params)> = (0..options.batch).into_par_iter().map(one).collect();
+        let mut gradient = Params::zero();
+        let mut loss = 0.0;
+        for (part, g) in &parts {
+            loss += part / options.batch as f32;
+            let sum = |to: &mut [f32], from: &[f32]| to.iter_mut().zip(from).for_each(|(a, b)| *a += b);
+            sum(&mut gradient.weights, &g.weights);
+            sum(&mut gradient.biases, &g.biases);
+        }
+        state.update(&gradient, rate);
+        losses.push(loss);
+        bar.set_position(u64::from(state.step));
+        if state.step % options.every == 0 || state.step == options.steps {
+            let [one, four] = quality(&validation, Some((&state.params, mode)));
+            let mean = losses.iter().sum::<f32>() / losses.len() as f32;
+            let seconds = started.elapsed().as_secs();
+            let line = format!(
+                "{:6} {rate:.5} {mean:.4} {one:.2} {four:.2} {seconds}",
+                state.step
+            );
+            writeln!(log, "{line}")?;
+            bar.set_message(line);
+            losses.clear();
+            state.write(&options.state)?;
+        }
+    }
+    bar.finish();
+    println!("{} steps: {}", state.step, options.state.display());
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::nn::{Light, Planes};
+    use microlux::film::denoise::network::INPUTS;
+
+    fn picture(side: usize, seed: u64) -> Picture {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed);
+        let size = side * side;
+        let mut three = |from: f32, to: f32| -> Vec<[f32; 3]> {
+            (0..size)
+                .map(|_| [0; 3].map(|_| rng.random_range(from..to)))
+                .collect()
+        };
+        Picture {
+            width: side,
+            height: side,
+            albedo: three(0.1, 0.9),
+            normal: three(-0.5, 0.5),
+            reference: three(0.0, 2.0),
+            irradiance: three(0.0, 3.0)
+                .into_iter()
+                .map(|[r, g, b]| [r, g, b, 0.0])
+                .collect(),
+            depth: vec![80.0; size],
+            samples: 2,
+        }
+    }
+
+    /// The gradient by hand is that of differences, for some weights of each layer, edges and odd sizes included.
+    #[test]
+    fn gradients_are_slopes() {
+        for side in [16, 13] {
+            let picture = picture(side, 3);
+            let mut params = State::new(5).params;
+            let mut rng = Pcg64Mcg::seed_from_u64(9);
+            params
+                .biases
+                .iter_mut()
+                .for_each(|b| *b = rng.random_range(0.0..200.0));
+            let mut gradient = Params::zero();
+            learn(&params, &picture, Mode::Float, &mut gradient);
+            let value =
+                |params: &Params| f64::from(learn(params, &picture, Mode::Float, &mut Params::zero()));
+            let (mut agree, mut all) = (0, 0);
+            for number in 0..LAYERS.len() {
+                let (from, biases) = nn::place(number);
+                let layer = LAYERS[number];
+                for _ in 0..6 {
+                    let at = from + rng.random_range(0..layer.taps * layer.inputs * layer.outputs);
+                    let step = 0.25;
+                    let mut moved = params.clone();
+                    moved.weights[at] += step;
+                    let up = value(&moved);
+                    moved.weights[at] -= 2.0 * step;
+                    let slope = (up - value(&moved)) / f64::from(2.0 * step);
+                    let given = f64::from(gradient.weights[at]);
+                    all += 1;
+                    agree += usize::from((slope - given).abs() <= 0.05 * slope.abs().max(given.abs()) + 2e-6);
+                }
+                let at = biases + rng.random_range(0..layer.outputs);
+                let mut moved = params.clone();
+                moved.biases[at] += 4.0;
+                let up = value(&moved);
+                moved.biases[at] -= 8.0;
+                let slope = (up - value(&moved)) / 8.0;
+                let given = f64::from(gradient.biases[at]);
+                all += 1;
+                agree += usize::from((slope - given).abs() <= 0.05 * slope.abs().max(given.abs()) + 1e-7);
+            }
+            // Kinks (largest of four, range of activations) lie between some.
+            assert!(agree * 10 >= all * 9, "{side}: {agree} of {all}");
+        }
+    }
+
+    /// The heads of the float network with everything rounded are the core's, bit for bit.
+    #[test]
+    fn rounded_heads_are_the_cores() {
+        use microlux::film::denoise::network::{Input, LEVELS, Needs, Network, Scratch, Weights};
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        for (seed, (width, height)) in [(64, 48), (1, 1), (7, 5), (33, 9), (2, 31)]
+            .into_iter()
+            .enumerate()
+        {
+            let mut params = State::new(seed as u64).params;
+            params.weights.iter_mut().for_each(|w| *w *= 3.0);
+            params
+                .biases
+                .iter_mut()
+                .for_each(|b| *b = rng.random_range(-3000.0..3000.0));
+            bound(&mut params);
+            let seen = params.seen(Mode::Integer);
+            let weights: Vec<i8> = seen.weights.iter().map(|&w| w as i8).collect();
+            let biases: Vec<i16> = seen.biases.iter().map(|&b| b as i16).collect();
+            let (weights, biases) = (weights.try_into().unwrap(), biases.try_into().unwrap());
+            let weights = Weights::new(&weights, &biases).unwrap();
+            let size = width * height;
+            let inputs: Vec<[u8; INPUTS]> = (0..size)
+                .map(|_| [0; INPUTS].map(|_| rng.random_range(0..64)))
+                .collect();
+            let light: Vec<[u16; 3]> = (0..size)
+                .map(|_| [0; 3].map(|_| rng.random::<u16>() >> rng.random_range(0..12)))
+                .collect();
+            let needs = Needs::of(width, height);
+            let (mut bytes, mut words) = (vec![0xaa; needs.bytes], vec![7; needs.words]);
+            let mut room = vec![[9; 3]; needs.light];
+            let scratch = Scratch {
+                bytes: &mut bytes,
+                words: &mut words,
+                light: &mut room,
+            };
+            let mut network = Network::new(weights, width, height, scratch).unwrap();
+            network.extract(|at| Input::from_bits(inputs[at]));
+
+            let mut planes = Planes::new(INPUTS, height, width);
+            for (at, input) in inputs.iter().enumerate() {
+                (0..INPUTS).for_each(|c| planes.data[c * size + at] = f32::from(input[c]));
+            }
+            let trace = nn::extract(&seen, planes, Mode::Integer);
+            let mut busy = 0;
+            for level in 0..LEVELS {
+                let core = network.heads(level);
+                assert_eq!(core.len(), trace.heads[level].heads.len());
+                for (core, float) in core.iter().zip(&trace.heads[level].heads) {
+                    let signed: [f32; 8] = core::array::from_fn(|i| {
+                        if i < 6 {
+                            f32::from(core[i] as i8)
+                        } else {
+                            f32::from(core[i])
+                        }
+                    });
+                    assert_eq!(signed, *float, "{width} x {height}, size {level}");
+                    busy += usize::from(core[..6].iter().any(|&f| f != 0));
+                }
+            }
+            assert!(busy > 0);
+
+            // The filter by those heads: within 4 steps of 2^-12, or as much of the value.
+            let floats: Vec<Light> = light
+                .iter()
+                .map(|l| [l[0], l[1], l[2], 0].map(f32::from))
+                .collect();
+            let filtered = nn::filter(&floats, &trace.heads, Mode::Integer);
+            let mut worst = 0f32;
+            network
+                .filter(&light, |y, row| {
+                    for (x, pixel) in row.iter().enumerate() {
+                        for c in 0..3 {
+                            let off = (f32::from(pixel[c]) - filtered.out[0][y * width + x][c]).abs();
+                            worst = worst.max(off);
+                        }
+                    }
+                })
+                .unwrap();
+            println!("{width} x {height}: filter off by {worst}");
+            assert!(worst < 700.0, "{worst}");
+        }
+    }
+}
