@@ -3,6 +3,7 @@
 use microlux::camera::Camera;
 use microlux::color::Radiance;
 use microlux::film::Feature;
+use microlux::film::denoise::network::{self, Needs, Neural, TRAINED};
 use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Scratch, Size};
 use microlux::film::feature::Irradiance;
 use microlux::integrator::{Integrator, Path};
@@ -18,6 +19,8 @@ pub enum Denoise {
     Off,
     /// `microlux::film::denoise::Atrous`, as tuned for the number of samples.
     Atrous,
+    /// `microlux::film::denoise::network`.
+    Neural,
 }
 
 /// What stands between samples and picture.
@@ -50,16 +53,18 @@ impl Cleaning {
 }
 
 /// One of the core's filters.
-enum Chosen {
+enum Chosen<'m> {
     Off(Off),
     Atrous(Atrous),
+    Neural(Neural<'m>),
 }
 
-impl Filter for Chosen {
+impl Filter for Chosen<'_> {
     fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
         match self {
             Chosen::Off(off) => off.filter(size, frame, lengths, scratch),
             Chosen::Atrous(atrous) => atrous.filter(size, frame, lengths, scratch),
+            Chosen::Neural(neural) => neural.filter(size, frame, lengths, scratch),
         }
     }
 }
@@ -78,7 +83,7 @@ pub struct Frames {
 pub struct Sequence<'m> {
     frames: Frames,
     denoiser: Denoiser<'m>,
-    filter: Chosen,
+    filter: Chosen<'m>,
     before: Option<Camera>,
 }
 
@@ -97,9 +102,24 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
         rows: &mut rows,
     };
     let denoiser = Denoiser::new(size, memory).expect("as long as it has to be");
+    let needs = match frames.cleaning.denoise {
+        Denoise::Neural => Needs::of(size.width.into(), size.height.into()),
+        Denoise::Off | Denoise::Atrous => Needs::default(),
+    };
+    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
+    let (mut room, mut light) = (vec![[0; 3]; needs.light], vec![[0; 3]; count]);
     let filter = match frames.cleaning.denoise {
         Denoise::Off => Chosen::Off(Off),
         Denoise::Atrous => Chosen::Atrous(Atrous::for_spp(frames.spp)),
+        Denoise::Neural => {
+            let scratch = network::Scratch {
+                bytes: &mut bytes,
+                words: &mut words,
+                light: &mut room,
+            };
+            let neural = Neural::new(TRAINED, size, frames.spp, &mut light, scratch);
+            Chosen::Neural(neural.expect("as long as it has to be, and as large as pictures get"))
+        }
     };
     show(&mut Sequence {
         frames,
@@ -163,7 +183,7 @@ impl Sequence<'_> {
                 let light = frame.iter().map(|pixel| pixel.irradiance).collect();
                 (frame, light)
             }
-            Denoise::Atrous => {
+            Denoise::Atrous | Denoise::Neural => {
                 let before = self.before.replace(camera).unwrap_or(camera);
                 let motion = Motion::between(before, camera, size.width, size.height);
                 let clean = self.denoiser.denoise(Some(&motion), &mut self.filter);

@@ -424,6 +424,8 @@ pub enum DenoiseArg {
     Off,
     /// A 5 x 5 blur again and again that stops at edges
     Atrous,
+    /// A small neural network that says how far pixels may be mixed
+    Neural,
 }
 
 impl From<DenoiseArg> for Denoise {
@@ -431,6 +433,7 @@ impl From<DenoiseArg> for Denoise {
         match arg {
             DenoiseArg::Off => Denoise::Off,
             DenoiseArg::Atrous => Denoise::Atrous,
+            DenoiseArg::Neural => Denoise::Neural,
         }
     }
 }

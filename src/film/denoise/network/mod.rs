@@ -42,7 +42,7 @@ pub const CHANNELS: [usize; LEVELS] = [8, 12, 16, 16];
 const WORDS: usize = (16 + 16) * 8 + 9 * 16 * 8 + 16 * 4;
 
 /// What a picture of some size takes of the caller's memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
     /// Bytes: activations and heads.
     pub bytes: usize,
@@ -53,7 +53,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// For pictures of up to 4,096 pixels a side; larger ones are refused by [`Network::new`].
+    /// For pictures of up to [`MAX_SIDE`] pixels a side; larger ones are refused by [`Network::new`].
     pub const fn of(width: usize, height: usize) -> Needs {
         let mut bytes = Shape::ring(width);
         let mut light = width;
@@ -116,7 +116,7 @@ impl core::fmt::Display for NetworkError {
 impl core::error::Error for NetworkError {}
 
 /// The longest side of a picture, pixels.
-pub const MAX_SIDE: usize = 4096;
+pub const MAX_SIDE: usize = 8192;
 
 /// Width and height at one of the sizes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
