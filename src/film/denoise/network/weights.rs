@@ -1,7 +1,7 @@
 //! The network's weights. Written by `trainer export`; not to be edited.
 //!
 //! 14000 steps (`trainer/log/train.txt`) over 48 scenes (CRC-32 of their files, in order of names: 0xd413089d); trainer of
-//! commit 276917eba1f7, 2026-11-28.
+//! commit 12f9609, 2026-11-28.
 
 use super::layer::{BIASES, WEIGHTS, Weights};
 
