@@ -257,13 +257,8 @@ mod tests {
         animation(&desc, &options, flight, &(), &AtomicBool::new(false)).unwrap()
     }
 
-    fn clean(upscale: u32) -> impl FnOnce(&mut Options) {
-        move |options: &mut Options| {
-            options.cleaning = Cleaning {
-                denoise: Denoise::Atrous,
-                upscale,
-            }
-        }
+    fn clean(denoise: Denoise, upscale: u32) -> impl FnOnce(&mut Options) {
+        move |options: &mut Options| options.cleaning = Cleaning { denoise, upscale }
     }
 
     #[test]
@@ -272,18 +267,23 @@ mod tests {
             let truth = made("cornell", orbit, |options| options.spp = 128);
             let noisy = made("cornell", orbit, |_| ());
             // Twice as large from a quarter of the samples, outlines are steps: they cost more than noise does.
-            for (upscale, gain) in [(1, 4.0), (2, 0.5)] {
-                let clean = made("cornell", orbit, clean(upscale));
+            for (denoise, upscale, gain) in [
+                (Denoise::Atrous, 1, 4.0),
+                (Denoise::Atrous, 2, 0.5),
+                (Denoise::Neural, 1, 4.0),
+                (Denoise::Neural, 2, 0.5),
+            ] {
+                let clean = made("cornell", orbit, clean(denoise, upscale));
                 assert!(
                     clean.psnr(&truth, 5) > noisy.psnr(&truth, 5) + gain,
-                    "{orbit} {upscale}: {} {}",
+                    "{orbit} {denoise:?} {upscale}: {} {}",
                     clean.psnr(&truth, 5),
                     noisy.psnr(&truth, 5)
                 );
                 let over = |animation: &Animation| animation.flicker() - truth.flicker();
                 assert!(
                     over(&clean) < 0.2 * over(&noisy),
-                    "{orbit} {upscale}: {} {} {}",
+                    "{orbit} {denoise:?} {upscale}: {} {} {}",
                     clean.flicker(),
                     noisy.flicker(),
                     truth.flicker()
@@ -295,11 +295,11 @@ mod tests {
     #[test]
     fn threads_do_not_change_a_frame() {
         let one = made("spheres", 2.0, |options| {
-            clean(2)(options);
+            clean(Denoise::Atrous, 2)(options);
             options.threads = 1;
         });
         let three = made("spheres", 2.0, |options| {
-            clean(2)(options);
+            clean(Denoise::Atrous, 2)(options);
             options.threads = 3;
         });
         assert_eq!(one.frames, three.frames);

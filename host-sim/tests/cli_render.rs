@@ -339,7 +339,10 @@ fn a_denoised_picture_is_another_and_the_same_whoever_renders_it() {
     let threads = made("threads.png", &["--denoise", "atrous", "--threads", "3"]);
     let fine = made("fine.png", &["--denoise", "atrous", "--upscale", "2"]);
     let plain = made("plain.png", &["--denoise", "off", "--upscale", "1"]);
-    assert_eq!((&clean, &noisy), (&threads, &plain));
+    let neural = made("neural.png", &["--denoise", "neural"]);
+    let other = made("other.png", &["--denoise", "neural", "--threads", "3"]);
+    assert_eq!((&clean, &noisy, &neural), (&threads, &plain, &other));
+    assert!(neural != noisy && neural != clean);
     assert!(clean != noisy && fine != clean && fine.len() == noisy.len());
     host_sim(&folder, "render", &["--denoise", "atrous", "--integrator", "ao"])
         .assert()
