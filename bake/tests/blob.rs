@@ -79,7 +79,7 @@ fn each_fault_is_named() {
         BakedError::Unaligned
     );
     assert_eq!(fault(&|b| b[3] = b'X'), BakedError::Magic);
-    assert_eq!(fault(&|b| b[8] = 2), BakedError::Version { found: 2 });
+    assert_eq!(fault(&|b| b[8] = 1), BakedError::Version { found: 1 });
     let wrong = |expected, found| BakedError::Length { expected, found };
     assert_eq!(fault(&|b| b.truncate(19)), wrong(20, 19));
     assert_eq!(fault(&|b| b.truncate(length - 4)), wrong(length, length - 4));
