@@ -3,7 +3,8 @@
 use crate::with_denoiser;
 use microlux::camera::Camera;
 use microlux::color::Radiance;
-use microlux::film::denoise::{Atrous, Size};
+use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED};
+use microlux::film::denoise::{Atrous, Filter, Size};
 use microlux::geom::{Dir, Point};
 use microlux::integrator::Path;
 use microlux::render::{Motion, Renderer, Settings};
@@ -38,7 +39,26 @@ fn moved(camera: Camera, frame: u32) -> Camera {
     )
 }
 
-fn crc(scene: &Scene, camera: Camera, spp: u32) -> u32 {
+/// The filters by name, so that each has rows of its own.
+const FILTERS: [&str; 2] = ["atrous", "neural"];
+
+fn crc(scene: &Scene, camera: Camera, filter: &str, spp: u32) -> u32 {
+    if filter == "atrous" {
+        return crc_of(scene, camera, &mut Atrous::for_spp(spp), spp);
+    }
+    let needs = Needs::of(SIZE.width.into(), SIZE.height.into());
+    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
+    let (mut room, mut light) = (vec![[0; 3]; needs.light], vec![[0; 3]; SIZE.pixels()]);
+    let scratch = Scratch {
+        bytes: &mut bytes,
+        words: &mut words,
+        light: &mut room,
+    };
+    let mut neural = Neural::new(TRAINED, SIZE, spp, &mut light, scratch).unwrap();
+    crc_of(scene, camera, &mut neural, spp)
+}
+
+fn crc_of(scene: &Scene, camera: Camera, filter: &mut impl Filter, spp: u32) -> u32 {
     let settings = Settings {
         width: SIZE.width,
         height: SIZE.height,
@@ -53,7 +73,7 @@ fn crc(scene: &Scene, camera: Camera, spp: u32) -> u32 {
             let mut renderer = Renderer::new(scene, now, Path::new(8), Sobol::new(frame + 1), settings);
             let area = renderer.area(0, SIZE.pixels() as u32).unwrap();
             assert_eq!(renderer.feature_tile(area, denoiser.frame()), SIZE.pixels());
-            let clean = denoiser.denoise(Some(&motion), &mut Atrous::for_spp(spp));
+            let clean = denoiser.denoise(Some(&motion), filter);
             for (x, y) in places(SIZE.width, SIZE.height) {
                 bytes.extend(eight(clean.pixel(x, y)));
             }
@@ -94,9 +114,11 @@ fn denoised_pictures_are_the_record() {
         Builtin::Materials,
         Builtin::Sky,
     ] {
-        for spp in [1, 4] {
-            let crc = scene.with(|scene, camera| crc(scene, camera, spp)).unwrap();
-            table += &format!("{:<9} atrous {spp} {crc:08x}\n", scene.name());
+        for filter in FILTERS {
+            for spp in [1, 4] {
+                let crc = scene.with(|scene, camera| crc(scene, camera, filter, spp));
+                table += &format!("{:<9} {filter} {spp} {:08x}\n", scene.name(), crc.unwrap());
+            }
         }
     }
     if std::env::var_os("MICROLUX_BLESS").is_some_and(|value| value == "1") {

@@ -1,12 +1,14 @@
 //! The pictures of the core's `tests/golden_denoise.txt`, denoised where the firmware runs.
 //!
-//! The memory that this takes is two frames of twelve bytes a pixel, their lengths and two rows: 12,864 bytes.
+//! The memory that this takes is two frames of twelve bytes a pixel, their lengths and two rows: 12,864 bytes; the network's
+//! own is beside it.
 
 use microlux::{
     camera::Camera,
     color::Radiance,
     film::Feature,
-    film::denoise::{Atrous, Denoiser, Memory, Size},
+    film::denoise::network::{Needs, Neural, Scratch, TRAINED},
+    film::denoise::{Atrous, Denoiser, Filter, Memory, Size},
     film::feature::Irradiance,
     geom::{Dir, Point},
     integrator::Path,
@@ -25,10 +27,21 @@ const SIZE: Size = Size {
 const PIXELS: usize = SIZE.pixels();
 const FRAMES: u32 = 4;
 
+/// What the network works in.
+const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
+
+/// What takes the noise away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Way {
+    Atrous,
+    Neural,
+}
+
 /// A row of the record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Case {
     pub scene: Builtin,
+    pub way: Way,
     pub spp: u32,
 }
 
@@ -36,13 +49,31 @@ impl Case {
     /// The CRC of the record; region `id` is each frame's way from features to clean light, which is worth counting.
     #[inline(never)]
     pub fn run(self, id: u32) -> u32 {
-        self.scene
-            .with(|scene, camera| self.frames(scene, camera, id))
-            .unwrap_or(0)
+        let with = |scene: &Scene, camera| match self.way {
+            Way::Atrous => self.frames(scene, camera, &mut Atrous::for_spp(self.spp), id),
+            Way::Neural => self.neural(scene, camera, id),
+        };
+        self.scene.with(with).unwrap_or(0)
+    }
+
+    /// Not inlined, so that its memory is taken while it runs and no longer.
+    #[inline(never)]
+    fn neural(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
+        let (mut bytes, mut words) = ([0; NEEDS.bytes], [0; NEEDS.words]);
+        let (mut room, mut light) = ([[0; 3]; NEEDS.light], [[0; 3]; PIXELS]);
+        let scratch = Scratch {
+            bytes: &mut bytes,
+            words: &mut words,
+            light: &mut room,
+        };
+        match Neural::new(TRAINED, SIZE, self.spp, &mut light, scratch) {
+            Ok(mut neural) => self.frames(scene, camera, &mut neural, id),
+            Err(_) => 0,
+        }
     }
 
     #[inline(never)]
-    fn frames(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
+    fn frames(self, scene: &Scene, camera: Camera, filter: &mut impl Filter, id: u32) -> u32 {
         let (mut now, mut before) = ([Feature::default(); PIXELS], [Feature::default(); PIXELS]);
         let (mut lengths, mut lengths_before) = ([0; PIXELS], [0; PIXELS]);
         let mut rows = [Irradiance::BLACK; 2 * SIZE.width as usize];
@@ -68,8 +99,7 @@ impl Case {
             if let Some(area) = renderer.area(0, PIXELS as u32) {
                 renderer.feature_tile(area, denoiser.frame());
             }
-            let mut filter = Atrous::for_spp(self.spp);
-            let clean = region::count(id, || denoiser.denoise(Some(&motion), &mut filter));
+            let clean = region::count(id, || denoiser.denoise(Some(&motion), filter));
             for (x, y) in places(coarse) {
                 pixel(&mut crc, clean.pixel(x, y));
             }

@@ -4,7 +4,10 @@ use microlux::num::Crc;
 use microlux::scene::builtin::Builtin::{Cornell, Implicits, Map, Materials, Sky, Spheres, Torus};
 
 #[cfg(feature = "roomy")]
-use crate::denoise;
+use crate::denoise::{
+    self,
+    Way::{Atrous, Neural},
+};
 use crate::{
     edges, flags,
     golden::{
@@ -269,12 +272,13 @@ transport! {
 const fn denoised(
     name: &'static str,
     scene: microlux::scene::builtin::Builtin,
+    way: denoise::Way,
     spp: u32,
     reach: Reach,
 ) -> Job {
     Job {
         name,
-        work: Work::Denoised(denoise::Case { scene, spp }),
+        work: Work::Denoised(denoise::Case { scene, way, spp }),
         reach,
     }
 }
@@ -282,16 +286,26 @@ const fn denoised(
 /// Every row of the record of denoised pictures.
 #[cfg(feature = "roomy")]
 const DENOISED: &[Job] = &[
-    denoised("cornell-atrous-1", Cornell, 1, Reach::Roomy),
-    denoised("cornell-atrous-4", Cornell, 4, Reach::Quick),
-    denoised("spheres-atrous-1", Spheres, 1, Reach::Roomy),
-    denoised("spheres-atrous-4", Spheres, 4, Reach::Quick),
-    denoised("torus-atrous-1", Torus, 1, Reach::Quick),
-    denoised("torus-atrous-4", Torus, 4, Reach::Quick),
-    denoised("materials-atrous-1", Materials, 1, Reach::Quick),
-    denoised("materials-atrous-4", Materials, 4, Reach::Quick),
-    denoised("sky-atrous-1", Sky, 1, Reach::Quick),
-    denoised("sky-atrous-4", Sky, 4, Reach::Quick),
+    denoised("cornell-atrous-1", Cornell, Atrous, 1, Reach::Roomy),
+    denoised("cornell-atrous-4", Cornell, Atrous, 4, Reach::Quick),
+    denoised("cornell-neural-1", Cornell, Neural, 1, Reach::Roomy),
+    denoised("cornell-neural-4", Cornell, Neural, 4, Reach::Quick),
+    denoised("spheres-atrous-1", Spheres, Atrous, 1, Reach::Roomy),
+    denoised("spheres-atrous-4", Spheres, Atrous, 4, Reach::Quick),
+    denoised("spheres-neural-1", Spheres, Neural, 1, Reach::Quick),
+    denoised("spheres-neural-4", Spheres, Neural, 4, Reach::Quick),
+    denoised("torus-atrous-1", Torus, Atrous, 1, Reach::Quick),
+    denoised("torus-atrous-4", Torus, Atrous, 4, Reach::Quick),
+    denoised("torus-neural-1", Torus, Neural, 1, Reach::Quick),
+    denoised("torus-neural-4", Torus, Neural, 4, Reach::Quick),
+    denoised("materials-atrous-1", Materials, Atrous, 1, Reach::Quick),
+    denoised("materials-atrous-4", Materials, Atrous, 4, Reach::Quick),
+    denoised("materials-neural-1", Materials, Neural, 1, Reach::Quick),
+    denoised("materials-neural-4", Materials, Neural, 4, Reach::Quick),
+    denoised("sky-atrous-1", Sky, Atrous, 1, Reach::Quick),
+    denoised("sky-atrous-4", Sky, Atrous, 4, Reach::Quick),
+    denoised("sky-neural-1", Sky, Neural, 1, Reach::Quick),
+    denoised("sky-neural-4", Sky, Neural, 4, Reach::Quick),
 ];
 
 /// Pictures of no record.

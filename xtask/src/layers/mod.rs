@@ -146,7 +146,8 @@ mod tests {
         };
         assert!(uses("film", "color").is_empty());
         assert!(uses("render", "film").is_empty());
-        assert!(uses("film", "geom")[0].contains("film uses num and color only"));
+        assert!(uses("film", "geom").is_empty());
+        assert!(uses("film", "sampler")[0].contains("film uses num, color, geom only"));
         assert!(uses("integrator", "film")[0].contains("film is for render only"));
     }
 
