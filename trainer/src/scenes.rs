@@ -135,6 +135,7 @@ impl Stage {
             materials: Vec::new(),
             shapes: Vec::new(),
             lights: Vec::new(),
+            baked: None,
         };
         Stage {
             desc,
