@@ -1,11 +1,10 @@
 //! Denoised pictures, one or a sequence, as a board makes them: the core's denoiser in memory of the host's.
 
 use microlux::camera::Camera;
-use microlux::color::Radiance;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::network::{self, Needs, Neural, TRAINED};
 use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Scratch, Size};
-use microlux::film::feature::Irradiance;
 use microlux::integrator::{Integrator, Path};
 use microlux::render::{Motion, Renderer, Settings};
 use microlux::sampler::{Independent, PcgRxsMXs32, Sampler};
@@ -93,7 +92,7 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
     let count = size.pixels();
     let mut pixels = [vec![Feature::default(); count], vec![Feature::default(); count]];
     let mut lengths = [vec![0; count], vec![0; count]];
-    let mut rows = vec![Irradiance::BLACK; 2 * usize::from(size.width)];
+    let mut rows = vec![Rgb9e5::BLACK; 2 * usize::from(size.width)];
     let [now, before] = &mut pixels;
     let [lengths_now, lengths_before] = &mut lengths;
     let memory = Memory {

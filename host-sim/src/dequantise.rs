@@ -278,7 +278,7 @@ fn background(environment: &Environment) -> Vec<Light> {
             let pixels = parts
                 .texels
                 .iter()
-                .map(|texel| radiance(texel.radiance(i32::from(parts.exponent))).into());
+                .map(|texel| radiance(texel.scaled(i32::from(parts.exponent))).into());
             vec![Light::Map(Arc::new(reference::Map {
                 width,
                 height,

@@ -1,9 +1,9 @@
 //! An environment map for flash: a picture made small, in the core's texels, with the table that directions are drawn by.
 
 use crate::desc::Vec3;
-use microlux::color::Radiance;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::geom::Dir;
-use microlux::light::{Map, MapError, MapParts, Texel};
+use microlux::light::{Map, MapError, MapParts};
 
 /// The largest map that is made; smaller pictures stay as they are.
 pub const MAX_SIZE: [usize; 2] = [128, 64];
@@ -13,7 +13,7 @@ pub const MAX_SIZE: [usize; 2] = [128, 64];
 pub struct BakedMap {
     width: usize,
     height: usize,
-    texels: Vec<Texel>,
+    texels: Vec<Rgb9e5>,
     exponent: i16,
     axes: [Dir; 3],
     bands: Vec<u16>,
@@ -131,10 +131,10 @@ impl BakedMap {
         } else {
             0
         };
-        let texels: Vec<Texel> = small.iter().map(|p| texel(*p, exponent)).collect();
+        let texels: Vec<Rgb9e5> = small.iter().map(|p| texel(*p, exponent)).collect();
         let held: Vec<Vec3> = texels
             .iter()
-            .map(|t| value(t.radiance(i32::from(exponent))))
+            .map(|t| value(t.scaled(i32::from(exponent))))
             .collect();
         let held = Picture {
             width,
@@ -192,11 +192,11 @@ impl BakedMap {
 }
 
 /// The nearest texel, times 2^`exponent`.
-fn texel(color: Vec3, exponent: i16) -> Texel {
+fn texel(color: Vec3, exponent: i16) -> Rgb9e5 {
     let scaled = color.map(|c| c * f64::from(-exponent).exp2());
     let largest = scaled.into_iter().fold(0.0, f64::max);
     if largest <= 0.0 {
-        return Texel(0);
+        return Rgb9e5(0);
     }
     let mut e = (largest.log2().floor() as i32 + 16).clamp(0, 31);
     let mantissas = |e: i32| scaled.map(|c| (c * f64::from(24 - e).exp2()).round() as u32);
@@ -204,7 +204,7 @@ fn texel(color: Vec3, exponent: i16) -> Texel {
         e += 1;
     }
     let [r, g, b] = mantissas(e).map(|m| m.min(511));
-    Texel(r | g << 9 | b << 18 | (e as u32) << 27)
+    Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27)
 }
 
 fn value(radiance: Radiance) -> Vec3 {
@@ -269,7 +269,7 @@ mod tests {
         let pixels: Vec<Vec3> = map
             .texels
             .iter()
-            .map(|t| value(t.radiance(i32::from(map.exponent))))
+            .map(|t| value(t.scaled(i32::from(map.exponent))))
             .collect();
         Picture {
             width: map.width,
@@ -328,7 +328,7 @@ mod tests {
             ([1e9, 2e9, 3e-3], 15),
             ([0.0; 3], 0),
         ] {
-            let found = value(texel(color, exponent).radiance(i32::from(exponent)));
+            let found = value(texel(color, exponent).scaled(i32::from(exponent)));
             let step = color.into_iter().fold(0.0, f64::max) / 256.0;
             for i in 0..3 {
                 assert!((found[i] - color[i]).abs() <= 0.51 * step, "{color:?}: {found:?}");

@@ -51,9 +51,7 @@ impl Point {
     pub const fn along(self, dir: Dir, distance: i32) -> Point {
         self.add(dir.times(distance))
     }
-}
 
-impl Point {
     /// [`Self::along`], quicker on narrow cores where `dir` has components of −1, 0 or 1, as the sides of shapes often do.
     #[inline]
     pub const fn along_side(self, dir: Dir, distance: i32) -> Point {

@@ -1,25 +1,7 @@
 use super::{EnvironmentSample, chance_by, choose_by};
-use crate::color::Radiance;
+use crate::color::{Radiance, Rgb9e5};
 use crate::geom::{Dir, Frame};
 use crate::num::{ONE_Q16, Turn, Uniform, Wide, atan2, isqrt, mul_q16, ratio, sin_cos};
-use zerocopy::{FromBytes, Immutable, KnownLayout};
-
-/// A colour in 32 bits: three mantissas of 9 bits, red lowest, and an exponent of 5 in the top ones.
-///
-/// Value of a channel: `mantissa · 2^(exponent − 24)`; up to 65408, steps of 2^-9 of the largest channel's octave (the
-/// layout of OpenGL's `RGB9_E5`, EXT_texture_shared_exponent).
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
-pub struct Texel(pub u32);
-
-impl Texel {
-    /// Its value, times 2^`exponent`.
-    #[inline]
-    pub const fn radiance(self, exponent: i32) -> Radiance {
-        let bits = [self.0 & 511, self.0 >> 9 & 511, self.0 >> 18 & 511];
-        Radiance::from_bits(bits, (self.0 >> 27) as i32 - 24 + exponent)
-    }
-}
 
 /// A latitude-longitude picture of the environment, in constant memory, with a table to draw directions by.
 ///
@@ -33,7 +15,7 @@ impl Texel {
 pub struct Map<'a> {
     width: u16,
     height: u16,
-    texels: &'a [Texel],
+    texels: &'a [Rgb9e5],
     exponent: i16,
     frame: Frame,
     bands: &'a [u16],
@@ -76,7 +58,7 @@ pub struct MapParts<'a> {
     pub width: u16,
     pub height: u16,
     /// Row by row.
-    pub texels: &'a [Texel],
+    pub texels: &'a [Rgb9e5],
     /// All texels are times 2^this.
     pub exponent: i16,
     /// The map's axes x, y, z in the scene.
@@ -184,7 +166,7 @@ impl<'a> Map<'a> {
                 if let Some(texel) = texel
                     && !weight.is_zero()
                 {
-                    sum = sum.add(texel.radiance(self.exponent as i32).scale(weight));
+                    sum = sum.add(texel.scaled(self.exponent as i32).scale(weight));
                 }
             }
         }
@@ -255,7 +237,7 @@ impl<'a> Map<'a> {
                 Wide::from_q16(sin_cos(Turn::from_bits(ratio(j, 2 * steps))).0)
             };
             let luminance = row.iter().fold(Wide::ZERO, |sum, texel| {
-                sum + texel.radiance(self.exponent as i32).luminance()
+                sum + texel.scaled(self.exponent as i32).luminance()
             });
             sum = sum + luminance * sine;
         }

@@ -18,7 +18,7 @@ pub use area::{pdf_area, sample_area, sample_surface, surface_area};
 pub use choice::{chance_by, choose, choose_by, share_out};
 pub use emit::{Emission, POINT_DENSITY, area_density, emit_area, emit_point};
 pub use environment::{Environment, EnvironmentSample};
-pub use map::{Map, MapError, MapParts, Texel};
+pub use map::{Map, MapError, MapParts};
 pub use sky::{Sky, Sun};
 
 /// A light.

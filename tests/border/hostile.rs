@@ -3,10 +3,10 @@
 use crate::scenes::{Draft, Random, radiance};
 use fixed::types::I12F20;
 use microlux::camera::Camera;
-use microlux::color::{Albedo, Radiance};
+use microlux::color::{Albedo, Radiance, Rgb9e5};
 use microlux::geom::{Dir, Point, REACH, Rotation, Unit};
 use microlux::integrator::Path;
-use microlux::light::{Environment, Light, Map, MapParts, Sky, Texel};
+use microlux::light::{Environment, Light, Map, MapParts, Sky};
 use microlux::material::Material;
 use microlux::num::{Metres, Share, Turn};
 use microlux::render::{Renderer, Settings};
@@ -280,10 +280,10 @@ fn sky(random: &mut Random) -> Sky {
     sky.with_sun(dir(random), width, radiance(random))
 }
 
-fn texels(random: &mut Random) -> Vec<Texel> {
+fn texels(random: &mut Random) -> Vec<Rgb9e5> {
     let black = random.one_in(4);
     (0..24)
-        .map(|_| Texel(if black { 0 } else { random.bits() }))
+        .map(|_| Rgb9e5(if black { 0 } else { random.bits() }))
         .collect()
 }
 
@@ -302,7 +302,7 @@ fn bounds_u32(random: &mut Random) -> Vec<u32> {
     bounds
 }
 
-fn map<'a>(texels: &'a [Texel], bands: &'a [u16], random: &mut Random) -> Option<Map<'a>> {
+fn map<'a>(texels: &'a [Rgb9e5], bands: &'a [u16], random: &mut Random) -> Option<Map<'a>> {
     let [width, height] = random.pick(&[[6, 4], [12, 2], [1, 24], [24, 1], [5, 5], [0, 0]]);
     Map::new(MapParts {
         width,

@@ -2,9 +2,9 @@
 
 use fixed::types::U1F15;
 use microlux::bvh::{CheckError, Node, build_mesh};
-use microlux::color::{Albedo, Radiance};
+use microlux::color::{Albedo, Radiance, Rgb9e5};
 use microlux::geom::{Dir, Point, REACH, Unit};
-use microlux::light::{Environment, Light, Map, MapError, MapParts, Sky, Texel};
+use microlux::light::{Environment, Light, Map, MapError, MapParts, Sky};
 use microlux::material::{
     BlinnPhong, Conductor, Dielectric, Material, MaterialError, OrenNayar, OrenNayarModel, RoughDielectric,
 };
@@ -668,7 +668,7 @@ fn skies_and_choices() {
 
 #[test]
 fn maps() {
-    let texels = [Texel(0x8000_0001); 6];
+    let texels = [Rgb9e5(0x8000_0001); 6];
     let parts = MapParts {
         width: 2,
         height: 3,

@@ -1,9 +1,10 @@
 //! One matt surface under one light of each kind: L = ρ/π · E.
 
 use crate::rig::*;
+use microlux::color::Rgb9e5;
 use microlux::geom::{Dir, Unit};
 use microlux::integrator::Path;
-use microlux::light::{Light, Map, MapParts, Sky, Texel};
+use microlux::light::{Light, Map, MapParts, Sky};
 use microlux::material::Material;
 use microlux::num::Turn;
 use std::f64::consts::PI;
@@ -348,7 +349,7 @@ fn map() {
     // Mantissas and one exponent: 1/64 to 8 in steps of 1/64.
     let texel = |c: Vec3| {
         let [r, g, b] = c.map(|c| (c * 64.0) as u32);
-        Texel(r | g << 9 | b << 18 | 18 << 27)
+        Rgb9e5(r | g << 9 | b << 18 | 18 << 27)
     };
     let (a, b, c) = ([0.5, 2.0, 4.0], [3.0, 2.0, 0.25], [0.125, 1.5, 0.75]);
     let down = [texel(a), texel(b)];

@@ -1,11 +1,11 @@
 use crate::{Random, value, with_denoiser};
-use microlux::color::Radiance;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{
     Atrous, Band, Before, Denoiser, Filter, Memory, Off, Past, Reproject, Scratch, Size, TooShort, Whole,
     accumulate, beside, upsample,
 };
-use microlux::film::feature::{ID_NOTHING, Irradiance};
+use microlux::film::feature::ID_NOTHING;
 use microlux::geom::Octahedral;
 
 const SIZE: Size = Size {
@@ -62,8 +62,8 @@ impl Reproject for Wild {
     }
 }
 
-fn light(rgb: [u32; 3], exponent: i32) -> Irradiance {
-    Irradiance::encode(Radiance::from_bits(rgb, exponent))
+fn light(rgb: [u32; 3], exponent: i32) -> Rgb9e5 {
+    Rgb9e5::encode(Radiance::from_bits(rgb, exponent))
 }
 
 /// Pixels of a wall with something before it, lit by noise of `spread` octaves about 1.
@@ -92,7 +92,7 @@ fn hostile(random: &mut Random) -> Feature {
     };
     let (a, b) = (word(), word());
     Feature {
-        irradiance: Irradiance(word()),
+        irradiance: Rgb9e5(word()),
         albedo: [a as u8, (a >> 8) as u8, (a >> 16) as u8],
         depth: (a >> 24) as u8,
         normal: Octahedral([b as i8, (b >> 8) as i8]),
@@ -234,7 +234,7 @@ fn what_was_uncovered_has_no_past() {
 }
 
 /// Bands of these many rows, the lowest first, then a-trous steps of such bands.
-fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Irradiance> {
+fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Rgb9e5> {
     let width = usize::from(SIZE.width);
     let raw: Vec<_> = pixels.iter().map(|p| p.irradiance).collect();
     let mut frame = pixels.to_vec();
@@ -250,7 +250,7 @@ fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Irradiance> 
         let last = (first + rows).min(SIZE.height);
         let range = usize::from(first) * width..usize::from(last) * width;
         let mut above = match range.start {
-            0 => vec![Irradiance(u32::MAX); width],
+            0 => vec![Rgb9e5(u32::MAX); width],
             start => raw[start - width..start].to_vec(),
         };
         let band = Band {
@@ -259,7 +259,7 @@ fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Irradiance> 
             rows: &mut frame[range.clone()],
             lengths: &mut lengths[range.clone()],
             above: &mut above,
-            current: &mut vec![Irradiance::BLACK; width],
+            current: &mut vec![Rgb9e5::BLACK; width],
             below: raw.get(range.end..range.end + width).unwrap_or(&[]),
         };
         accumulate(band, Some(&past), 3);
@@ -268,7 +268,7 @@ fn in_bands(pixels: &[Feature], past: &[Feature], rows: u16) -> Vec<Irradiance> 
     let filter = Atrous::for_spp(4);
     for step in 0..filter.steps {
         let aside: Vec<_> = frame.iter().zip(&light).map(|(p, l)| beside(p, *l)).collect();
-        let mut to = vec![Irradiance::BLACK; light.len()];
+        let mut to = vec![Rgb9e5::BLACK; light.len()];
         for first in (0..SIZE.height).step_by(usize::from(rows)).rev() {
             let last = (first + rows).min(SIZE.height);
             let range = usize::from(first) * width..usize::from(last) * width;
@@ -298,7 +298,7 @@ fn bands_of_any_height_are_the_same_picture() {
     with_denoiser(SIZE, |denoiser| {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(4));
-        let mut light = vec![Irradiance::BLACK; pixels.len()];
+        let mut light = vec![Rgb9e5::BLACK; pixels.len()];
         let mut frame = clean.frame.to_vec();
         let mut scratch = frame.clone();
         let lengths = vec![1; frame.len()];
@@ -352,7 +352,7 @@ fn memory_that_is_too_short_is_named() {
             vec![Feature::default(); lens[1]],
         ];
         let mut lengths = [vec![0; lens[2]], vec![0; lens[3]]];
-        let mut rows = vec![Irradiance::BLACK; lens[4]];
+        let mut rows = vec![Rgb9e5::BLACK; lens[4]];
         let [a, b] = &mut frames;
         let [c, d] = &mut lengths;
         let memory = Memory {
@@ -381,7 +381,7 @@ fn noise_goes_and_edges_stay() {
     for pixel in &mut pixels {
         if pixel.id == 1 {
             let (m, e) = pixel.irradiance.to_parts();
-            pixel.irradiance = Irradiance::from_bits(m, e + 4);
+            pixel.irradiance = Rgb9e5::from_bits(m, e + 4);
         }
     }
     with_denoiser(SIZE, |denoiser| {

@@ -7,10 +7,9 @@ mod motion;
 mod network;
 mod twin;
 
-use microlux::color::Radiance;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{Denoiser, Memory, Size};
-use microlux::film::feature::Irradiance;
 
 fn value(light: Radiance) -> [f64; 3] {
     let (m, e) = light.to_parts();
@@ -40,7 +39,7 @@ fn with_denoiser<R>(size: Size, work: impl FnOnce(&mut Denoiser) -> R) -> R {
     let count = size.pixels();
     let mut frames = [vec![Feature::default(); count], vec![Feature::default(); count]];
     let mut lengths = [vec![0; count], vec![0; count]];
-    let mut rows = vec![Irradiance::BLACK; 2 * usize::from(size.width)];
+    let mut rows = vec![Rgb9e5::BLACK; 2 * usize::from(size.width)];
     let [a, b] = &mut frames;
     let [c, d] = &mut lengths;
     let memory = Memory {

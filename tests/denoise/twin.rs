@@ -1,9 +1,9 @@
 //! The same filters in f64, written from what they shall do, not from how the core does it.
 
 use crate::{Random, value, with_denoiser};
+use microlux::color::Rgb9e5;
 use microlux::film::Feature;
 use microlux::film::denoise::{Atrous, Before, Reproject, Size, upsample};
-use microlux::film::feature::Irradiance;
 use microlux::geom::Octahedral;
 
 const SIZE: Size = Size {
@@ -185,7 +185,7 @@ fn scene(random: &mut Random) -> Vec<Feature> {
             (Octahedral([0, 0]), 110, 0)
         };
         Feature {
-            irradiance: Irradiance::from_bits(bits, -17),
+            irradiance: Rgb9e5::from_bits(bits, -17),
             albedo: [255; 3],
             depth,
             normal,
@@ -196,8 +196,8 @@ fn scene(random: &mut Random) -> Vec<Feature> {
 }
 
 /// RMS and largest difference, as shares of the luminance that should be; of all but one in `leave`, the worst.
-fn off(found: &[Irradiance], exact: &Frame, leave: usize) -> (f64, f64) {
-    let off = |(found, exact): (&Irradiance, &Real)| {
+fn off(found: &[Rgb9e5], exact: &Frame, leave: usize) -> (f64, f64) {
+    let off = |(found, exact): (&Rgb9e5, &Real)| {
         let found = value(found.decode());
         (0..3)
             .map(|i| (found[i] - exact.light[i]).abs() / exact.luma())

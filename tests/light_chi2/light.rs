@@ -1,8 +1,8 @@
 use crate::chi2::Patch;
 use microlux::bvh::{Node, build_mesh};
-use microlux::color::{Radiance, albedo};
+use microlux::color::{Radiance, Rgb9e5, albedo};
 use microlux::geom::{Dir, Point, Ray, point};
-use microlux::light::{Environment, Map, MapParts, Sky, Texel};
+use microlux::light::{Environment, Map, MapParts, Sky};
 use microlux::material::Material;
 use microlux::num::{Share, Turn, Wide};
 use microlux::q;
@@ -201,10 +201,10 @@ fn suns() {
 #[test]
 fn maps() {
     const WIDTH: usize = 16;
-    let texels: Vec<Texel> = (0..WIDTH * 9)
+    let texels: Vec<Rgb9e5> = (0..WIDTH * 9)
         .map(|i| {
             let exponent = if i == 40 { 20 } else { 10 + i as u32 % 4 };
-            Texel(300 | (i as u32 * 37 % 512) << 9 | 200 << 18 | exponent << 27)
+            Rgb9e5(300 | (i as u32 * 37 % 512) << 9 | 200 << 18 | exponent << 27)
         })
         .collect();
     for (bands, steps) in [(8, 16), (5, 7), (1, 1), (13, 1)] {

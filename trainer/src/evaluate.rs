@@ -11,9 +11,10 @@ use host_sim::metrics::Metrics;
 use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::Radiance;
+use microlux::color::Rgb9e5;
 use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
 use microlux::film::denoise::{Denoiser, Filter, Memory, Size};
-use microlux::film::feature::{Feature, Irradiance, albedo_code};
+use microlux::film::feature::{Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
 use microlux::render::Motion;
@@ -185,7 +186,7 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
             let share = |a: f32| Share::from_bits((a * 32768.0).round() as u16);
             let normal = scene.normal[at].map(|c| (c * 65536.0) as i32);
             Feature {
-                irradiance: Irradiance::from_bits([r, g, b], -16),
+                irradiance: Rgb9e5::from_bits([r, g, b], -16),
                 albedo: scene.albedo[at].map(|a| albedo_code(share(a))),
                 depth: scene.depth[at].round() as u8,
                 normal: Octahedral::encode(Dir::new(normal).unwrap_or(Dir::Z)),
@@ -199,7 +200,7 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
     };
     let mut frames = [features, vec![Feature::default(); size.pixels()]];
     let mut lengths = [vec![0; size.pixels()], vec![0; size.pixels()]];
-    let mut rows = vec![Irradiance::BLACK; 2 * scene.width];
+    let mut rows = vec![Rgb9e5::BLACK; 2 * scene.width];
     let [a, b] = &mut frames;
     let [c, d] = &mut lengths;
     let memory = Memory {

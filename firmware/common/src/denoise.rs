@@ -5,11 +5,10 @@
 
 use microlux::{
     camera::Camera,
-    color::Radiance,
+    color::{Radiance, Rgb9e5},
     film::Feature,
     film::denoise::network::{Needs, Neural, Scratch, TRAINED},
     film::denoise::{Atrous, Denoiser, Filter, Memory, Size},
-    film::feature::Irradiance,
     geom::{Dir, Point},
     integrator::Path,
     num::Crc,
@@ -76,7 +75,7 @@ impl Case {
     fn frames(self, scene: &Scene, camera: Camera, filter: &mut impl Filter, id: u32) -> u32 {
         let (mut now, mut before) = ([Feature::default(); PIXELS], [Feature::default(); PIXELS]);
         let (mut lengths, mut lengths_before) = ([0; PIXELS], [0; PIXELS]);
-        let mut rows = [Irradiance::BLACK; 2 * SIZE.width as usize];
+        let mut rows = [Rgb9e5::BLACK; 2 * SIZE.width as usize];
         let memory = Memory {
             frames: [&mut now, &mut before],
             lengths: [&mut lengths, &mut lengths_before],

@@ -1,7 +1,8 @@
 use super::Size;
 use super::weight::{Mean, short_normal, turn};
+use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::feature::{DEPTH_NOTHING, Irradiance};
+use crate::film::feature::DEPTH_NOTHING;
 
 /// Where a pixel's place was in the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,11 +38,11 @@ pub struct Band<'a> {
     /// How many frames each pixel's light is of: written.
     pub lengths: &'a mut [u8],
     /// The light of the row above the band as it was rendered, a row's length; anything where there is none.
-    pub above: &'a mut [Irradiance],
+    pub above: &'a mut [Rgb9e5],
     /// A row to work in.
-    pub current: &'a mut [Irradiance],
+    pub current: &'a mut [Rgb9e5],
     /// The light of the row below as it was rendered; empty where there is none.
-    pub below: &'a [Irradiance],
+    pub below: &'a [Rgb9e5],
 }
 
 /// A pixel's luminance is at most that of the second brightest of its 3 × 3, times two to this power.
@@ -125,7 +126,7 @@ struct Near {
 
 /// Channel times 2^exponent as mantissa under a common exponent.
 #[inline]
-fn luma(light: Irradiance) -> (u32, i32) {
+fn luma(light: Rgb9e5) -> (u32, i32) {
     let ([r, g, b], exponent) = light.to_parts();
     (54 * r + 183 * g + 19 * b, exponent)
 }
@@ -146,14 +147,14 @@ fn is_more(a: (u32, i32), b: (u32, i32)) -> bool {
 
 impl Near {
     #[inline]
-    fn read(x: usize, width: usize, light: impl Fn(usize, i32) -> Option<Irradiance>) -> Near {
+    fn read(x: usize, width: usize, light: impl Fn(usize, i32) -> Option<Rgb9e5>) -> Near {
         let mut near = Near {
             first: (0, -24),
             second: (0, -24),
             most: [0; 3],
             exponent: -24,
         };
-        let mut all = [Irradiance::BLACK; 9];
+        let mut all = [Rgb9e5::BLACK; 9];
         let mut found = 0;
         for dy in -1..=1 {
             for side in x.saturating_sub(1)..=(x + 1).min(width - 1) {
@@ -184,7 +185,7 @@ impl Near {
 
     /// The light, made darker by whole octaves until it is no firefly.
     #[inline]
-    fn clamped(&self, light: Irradiance) -> Irradiance {
+    fn clamped(&self, light: Rgb9e5) -> Rgb9e5 {
         let (y, mut exponent) = luma(light);
         let limit = (self.second.0, self.second.1 + FIREFLY as i32);
         let mut down = 0;
@@ -196,12 +197,12 @@ impl Near {
             return light;
         }
         let (m, exponent) = light.to_parts();
-        Irradiance::from_bits(m, exponent - down)
+        Rgb9e5::from_bits(m, exponent - down)
     }
 
     /// Light of another place, at most twice the brightest here, by channel.
     #[inline]
-    fn around(&self, light: Irradiance) -> Irradiance {
+    fn around(&self, light: Rgb9e5) -> Rgb9e5 {
         let (m, exponent) = light.to_parts();
         let up = exponent - self.exponent;
         let limited = |i: usize| {
@@ -227,13 +228,13 @@ impl Near {
         if up < 14 && bits == [whole(0), whole(1), whole(2)] {
             return light;
         }
-        Irradiance::from_bits(bits, self.exponent - 8)
+        Rgb9e5::from_bits(bits, self.exponent - 8)
     }
 }
 
 /// Light remembered.
 struct Then {
-    light: Irradiance,
+    light: Rgb9e5,
     /// Of the very same pixel.
     is_here: bool,
 }
@@ -252,7 +253,7 @@ fn remember<M: Reproject>(
     let (left, top) = (corner[0] >> 4, corner[1] >> 4);
     let part = corner.map(|c| (c & 15) as u32);
     let normal = short_normal(pixel);
-    let mut taps = [(Irradiance::BLACK, 0u32); 4];
+    let mut taps = [(Rgb9e5::BLACK, 0u32); 4];
     let mut mean = Mean::new();
     let mut lengths = 0;
     for (i, tap) in taps.iter_mut().enumerate() {
@@ -304,7 +305,7 @@ fn is_near(a: u8, b: u8) -> bool {
 
 /// `then + (light − then)/n`, what is left over kept with a chance of its size; equal lights give themselves.
 #[inline]
-fn blend(light: Irradiance, then: Irradiance, n: u32, noise: u32) -> Irradiance {
+fn blend(light: Rgb9e5, then: Rgb9e5, n: u32, noise: u32) -> Rgb9e5 {
     let ((a, ea), (b, eb)) = (light.to_parts(), then.to_parts());
     let exponent = ea.max(eb);
     // Tenths of a bit: raw: under 2^9 · 2^16 · 2^3.
@@ -318,9 +319,9 @@ fn blend(light: Irradiance, then: Irradiance, n: u32, noise: u32) -> Irradiance 
     dithered(bits, exponent - 16, noise)
 }
 
-/// [`Irradiance::from_bits`] that rounds up with a chance of what is left over.
+/// [`Rgb9e5::from_bits`] that rounds up with a chance of what is left over.
 #[inline]
-fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Irradiance {
+fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Rgb9e5 {
     let all = bits[0] | bits[1] | bits[2];
     let filled = 32 - crate::num::leading_zeros(all) as i32;
     let shift = (filled - 9).max(-24 - exponent).clamp(0, 31) as u32;
@@ -328,7 +329,7 @@ fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Irradiance {
     // A chance for each channel.
     let up = |i: u32| noise.rotate_left(11 * i) & mask;
     let rounded = [0, 1, 2].map(|i| ((bits[i as usize] + up(i)) >> shift) << shift);
-    Irradiance::from_bits(rounded, exponent)
+    Rgb9e5::from_bits(rounded, exponent)
 }
 
 /// PCG's output function of a place and a frame.

@@ -1,7 +1,7 @@
 use super::weight::{FALL, FAR, Mean, luma_code, shines, short_normal, turn};
 use super::{Filter, Scratch, Size};
+use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::feature::Irradiance;
 
 /// The guided à-trous filter: a 5 × 5 B3 spline again and again, its taps 1, 2, 4, ... pixels apart, each weighted by how
 /// alike two pixels are.
@@ -94,12 +94,12 @@ pub struct Whole<'a> {
     pub lengths: &'a [u8],
     /// [`beside`] of each pixel.
     pub aside: &'a [[u8; 4]],
-    pub light: &'a [Irradiance],
+    pub light: &'a [Rgb9e5],
 }
 
 /// What a step wants to know of a pixel, so that it is found out once: the normal, 127ths, and luminance.
 #[inline]
-pub fn beside(pixel: &Feature, light: Irradiance) -> [u8; 4] {
+pub fn beside(pixel: &Feature, light: Rgb9e5) -> [u8; 4] {
     let [x, y, z] = short_normal(pixel).map(|c| c as u8);
     [x, y, z, luma_code(light)]
 }
@@ -111,7 +111,7 @@ fn normal([x, y, z, _]: [u8; 4]) -> [i8; 3] {
 
 impl Atrous {
     /// One step over whole rows, from number `first` on: as many as `to` holds.
-    pub fn rows(&self, step: u8, whole: Whole, first: u16, to: &mut [Irradiance]) {
+    pub fn rows(&self, step: u8, whole: Whole, first: u16, to: &mut [Rgb9e5]) {
         let width = whole.size.width.max(1) as usize;
         for (i, place) in to.iter_mut().enumerate() {
             let (x, y) = ((i % width) as i32, first as i32 + (i / width) as i32);
@@ -120,7 +120,7 @@ impl Atrous {
     }
 
     #[inline]
-    fn pixel(&self, step: u8, whole: &Whole, x: i32, y: i32) -> Irradiance {
+    fn pixel(&self, step: u8, whole: &Whole, x: i32, y: i32) -> Rgb9e5 {
         let Whole { size, .. } = *whole;
         let here = size.clamped(x, y);
         let (Some(pixel), Some(aside), Some(light)) = (
@@ -128,14 +128,14 @@ impl Atrous {
             whole.aside.get(here),
             whole.light.get(here),
         ) else {
-            return Irradiance::BLACK;
+            return Rgb9e5::BLACK;
         };
         let spacing = 1i32 << step.min(4);
         let (own_normal, shines_here) = (normal(*aside), shines(pixel));
         // The noise of n frames is 1/√n of one's.
         let length = whole.lengths.get(here).map_or(1, |n| *n as usize).clamp(1, 8);
         let luma_slope = self.luma.get(step as usize).map_or(0, |s| *s as u32) * ROOTS[length - 1];
-        let mut taps = [(Irradiance::BLACK, 0u32); 25];
+        let mut taps = [(Rgb9e5::BLACK, 0u32); 25];
         let mut count = 0;
         let mut mean = Mean::new();
         for (j, down) in SPLINE.iter().enumerate() {

@@ -21,8 +21,7 @@ pub use atrous::{Atrous, Whole, beside};
 pub use upsample::upsample;
 
 use super::Feature;
-use super::feature::Irradiance;
-use crate::color::Radiance;
+use crate::color::{Radiance, Rgb9e5};
 use zerocopy::{FromBytes, IntoBytes};
 
 /// Width and height, pixels.
@@ -54,7 +53,7 @@ pub struct Memory<'m> {
     /// A pixel each.
     pub lengths: [&'m mut [u8]; 2],
     /// Two rows.
-    pub rows: &'m mut [Irradiance],
+    pub rows: &'m mut [Rgb9e5],
 }
 
 /// Memory that does not suffice.
@@ -97,8 +96,8 @@ impl Filter for Off {
 /// Room for a filter, three planes of four bytes a pixel.
 #[derive(Debug)]
 pub struct Scratch<'a> {
-    pub light: &'a mut [Irradiance],
-    pub other: &'a mut [Irradiance],
+    pub light: &'a mut [Rgb9e5],
+    pub other: &'a mut [Rgb9e5],
     pub aside: &'a mut [[u8; 4]],
 }
 
@@ -110,8 +109,8 @@ impl<'a> Scratch<'a> {
         let (other, aside) = rest.split_at_mut(4 * count);
         // Four bytes each and as well aligned as a pixel: the casts cannot fail.
         Scratch {
-            light: <[Irradiance]>::mut_from_bytes(light).unwrap_or(&mut []),
-            other: <[Irradiance]>::mut_from_bytes(other).unwrap_or(&mut []),
+            light: <[Rgb9e5]>::mut_from_bytes(light).unwrap_or(&mut []),
+            other: <[Rgb9e5]>::mut_from_bytes(other).unwrap_or(&mut []),
             aside: <[[u8; 4]]>::mut_from_bytes(aside).unwrap_or(&mut []),
         }
     }
@@ -127,7 +126,7 @@ pub struct Denoiser<'m> {
     before: &'m mut [Feature],
     lengths: &'m mut [u8],
     lengths_before: &'m mut [u8],
-    rows: &'m mut [Irradiance],
+    rows: &'m mut [Rgb9e5],
     /// Frames so far, wrapping; those before this one are in `before` unless it is the first.
     count: u32,
     has_history: bool,
@@ -215,7 +214,7 @@ impl<'m> Denoiser<'m> {
 pub struct Clean<'d> {
     pub size: Size,
     pub frame: &'d [Feature],
-    pub light: &'d [Irradiance],
+    pub light: &'d [Rgb9e5],
 }
 
 impl Clean<'_> {

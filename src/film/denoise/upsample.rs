@@ -1,8 +1,7 @@
 use super::Size;
 use super::weight::{FALL, FAR, Mean, shines, short_normal, turn};
-use crate::color::Radiance;
+use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
-use crate::film::feature::Irradiance;
 
 /// Half-lives, in eighths, that tell neighbours apart: for another number, for a turn by a cosine of 1 − 1/127, for a code
 /// of distance.
@@ -15,7 +14,7 @@ const UNLIKE: [u32; 3] = [32, 2, 4];
 pub fn upsample(
     size: Size,
     frame: &[Feature],
-    light: &[Irradiance],
+    light: &[Rgb9e5],
     [x, y]: [u16; 2],
     guide: &Feature,
 ) -> Radiance {
@@ -23,7 +22,7 @@ pub fn upsample(
     // The middle of the fine pixel lies a quarter of a coarse one beside a middle, left and up if it is even.
     let near = [x, y].map(|c| (c / 2) as i32);
     let far = [x, y].map(|c| (c / 2) as i32 + if c % 2 == 0 { -1 } else { 1 });
-    let mut taps = [(Irradiance::BLACK, 0); 4];
+    let mut taps = [(Rgb9e5::BLACK, 0); 4];
     let mut mean = Mean::new();
     for (i, tap) in taps.iter_mut().enumerate() {
         let tx = if i & 1 == 0 { near[0] } else { far[0] };

@@ -1,7 +1,8 @@
 //! How much one pixel may say of another: half-lives add up, one table makes a weight of them.
 
 use super::super::Feature;
-use super::super::feature::{DEPTH_NOTHING, Irradiance};
+use super::super::feature::DEPTH_NOTHING;
+use crate::color::Rgb9e5;
 use crate::num::{leading_zeros, recip};
 
 /// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
@@ -41,7 +42,7 @@ pub(super) fn shines(pixel: &Feature) -> bool {
 ///
 /// Between whole eighths by the mantissa itself: off by 0.09 octave at most.
 #[inline]
-pub(super) fn luma_code(light: Irradiance) -> u8 {
+pub(super) fn luma_code(light: Rgb9e5) -> u8 {
     let ([r, g, b], exponent) = light.to_parts();
     // raw: under 2^17
     let y = 54 * r + 183 * g + 19 * b;
@@ -75,12 +76,12 @@ impl Mean {
     }
 
     #[inline]
-    pub(super) fn see(&mut self, light: Irradiance) {
+    pub(super) fn see(&mut self, light: Rgb9e5) {
         self.exponent = self.exponent.max(light.to_parts().1);
     }
 
     #[inline]
-    pub(super) fn add(&mut self, light: Irradiance, weight: u32) {
+    pub(super) fn add(&mut self, light: Rgb9e5, weight: u32) {
         let (m, exponent) = light.to_parts();
         let gap = (self.exponent - exponent).clamp(0, 31);
         for (sum, m) in self.sum.iter_mut().zip(m) {
@@ -105,8 +106,8 @@ impl Mean {
     }
 
     #[inline]
-    pub(super) fn light(&self) -> Irradiance {
+    pub(super) fn light(&self) -> Rgb9e5 {
         let (bits, exponent) = self.divided();
-        Irradiance::from_bits(bits, exponent)
+        Rgb9e5::from_bits(bits, exponent)
     }
 }

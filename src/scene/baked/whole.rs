@@ -6,8 +6,9 @@ use super::record::{
 use super::{Baked, BakedError};
 use crate::bvh::Node;
 use crate::camera::Camera;
+use crate::color::Rgb9e5;
 use crate::geom::{Dir, FAR, Point, REACH, Unit};
-use crate::light::{Environment, Light, Map, MapParts, Sky, Texel};
+use crate::light::{Environment, Light, Map, MapParts, Sky};
 use crate::material::{Material, Texels, Texture};
 use crate::scene::check::is_unit;
 use crate::scene::{Mesh, Parts, Scene, SceneError, Shape};
@@ -395,7 +396,7 @@ fn map<'a>(rest: &mut Rest<'a>) -> Result<Map<'a>, BakedError> {
     let (width, height) = (record.width, record.height);
     let bands = usize::from(record.bands);
     let row = usize::from(record.steps_in_band).checked_sub(1).ok_or(wrong)?;
-    let texels: &[Texel] = rest.take(usize::from(width) * usize::from(height))?;
+    let texels: &[Rgb9e5] = rest.take(usize::from(width) * usize::from(height))?;
     let parts = MapParts {
         width,
         height,

@@ -1,5 +1,6 @@
+use crate::color::Rgb9e5;
 use crate::geom::Dir;
-use crate::light::{Map, MapError, MapParts, Texel};
+use crate::light::{Map, MapError, MapParts};
 
 /// Texels of the picture.
 const WIDTH: usize = 16;
@@ -8,7 +9,7 @@ const HEIGHT: usize = 9;
 const BANDS: usize = 8;
 const STEPS: usize = 16;
 
-static TEXELS: [Texel; WIDTH * HEIGHT] = picture();
+static TEXELS: [Rgb9e5; WIDTH * HEIGHT] = picture();
 static TABLE: Table = table(&TEXELS);
 
 /// A studio of 144 texels: grey walls over a dark floor, a warm window on the right, a blue one on the left.
@@ -37,13 +38,13 @@ const fn colour(row: usize, column: usize) -> [u32; 3] {
     }
 }
 
-const fn picture() -> [Texel; WIDTH * HEIGHT] {
-    let mut texels = [Texel(0); WIDTH * HEIGHT];
+const fn picture() -> [Rgb9e5; WIDTH * HEIGHT] {
+    let mut texels = [Rgb9e5(0); WIDTH * HEIGHT];
     let mut i = 0;
     while i < texels.len() {
         let [r, g, b] = colour(i / WIDTH, i % WIDTH);
         // In steps of 2^(19 − 24).
-        texels[i] = Texel(r | g << 9 | b << 18 | 19 << 27);
+        texels[i] = Rgb9e5(r | g << 9 | b << 18 | 19 << 27);
         i += 1;
     }
     texels
@@ -56,7 +57,7 @@ struct Table {
 }
 
 /// Weighs each cell by the largest texel near it, so that none with light goes without a chance.
-const fn table(texels: &[Texel]) -> Table {
+const fn table(texels: &[Rgb9e5]) -> Table {
     // A band is ¼ high in y; row j stands at y = cos(22.5° j). The rows that a band's light is mixed of:
     const ROWS: [[usize; 2]; BANDS] = [[0, 2], [1, 3], [2, 4], [3, 4], [4, 5], [4, 6], [5, 7], [6, 8]];
     let mut weights = [[0; STEPS]; BANDS];

@@ -72,14 +72,13 @@ fn logarithm(x: u32, one: u32, steps: u32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Radiance;
-    use crate::film::feature::Irradiance;
+    use crate::color::{Radiance, Rgb9e5};
     use crate::geom::{Dir, Octahedral};
 
     #[test]
     fn what_is_seen_of_a_pixel() {
         let grey = Feature {
-            irradiance: Irradiance::encode(Radiance::WHITE),
+            irradiance: Rgb9e5::encode(Radiance::WHITE),
             albedo: [128; 3],
             depth: 80,
             normal: Octahedral::encode(Dir::Y),
@@ -92,7 +91,7 @@ mod tests {
         );
         assert_eq!(irradiance(&grey), [4096; 3]);
         let most = Feature {
-            irradiance: Irradiance(u32::MAX),
+            irradiance: Rgb9e5(u32::MAX),
             albedo: [255; 3],
             depth: 255,
             ..grey
@@ -114,7 +113,7 @@ mod tests {
         for bits in [1u32, 3, 7, 100, 255, 511] {
             for e in 0..32u32 {
                 let feature = Feature {
-                    irradiance: Irradiance(bits | e << 27),
+                    irradiance: Rgb9e5(bits | e << 27),
                     ..Feature::default()
                 };
                 let exact = f64::from(bits) * (f64::from(e) - 12.0).exp2();

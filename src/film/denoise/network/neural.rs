@@ -1,7 +1,7 @@
 use super::{Input, Network, NetworkError, Scratch, Weights, irradiance};
+use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Size};
-use crate::film::feature::Irradiance;
 
 /// The network as a denoiser's filter.
 #[derive(Debug)]
@@ -44,11 +44,11 @@ impl Filter for Neural<'_> {
             (Some(pixel), Some(&length)) => Input::new(pixel, samples.saturating_mul(length.into())),
             _ => Input::new(&Feature::default(), samples),
         };
-        scratch.light.fill(Irradiance::BLACK);
+        scratch.light.fill(Rgb9e5::BLACK);
         let mut rest = scratch.light.iter_mut();
         let keep = |_: usize, row: &[[u16; 3]]| {
             for (light, out) in row.iter().zip(&mut rest) {
-                *out = Irradiance::from_bits(light.map(u32::from), -12);
+                *out = Rgb9e5::from_bits(light.map(u32::from), -12);
             }
         };
         if frame.len() == self.light.len() {

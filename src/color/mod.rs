@@ -1,6 +1,10 @@
 //! Colours, linear sRGB: [`Albedo`] (a share a surface gives back) and [`Radiance`] (light, any magnitude), never mixed.
 
+mod rgb9e5;
+
 use crate::num::{Metres, Share, Wide, leading_zeros, mul_hi, recip};
+
+pub use rgb9e5::Rgb9e5;
 
 /// A share per channel, 0 ..= 1, steps of 2^-15, both ends exact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -281,9 +285,7 @@ impl Radiance {
         }
         q
     }
-}
 
-impl Radiance {
     /// Whether [`mean_q32`] of this sample alone gives it back, bit for bit: where no bit lies below the sums' last, and none
     /// is cut off.
     #[inline]
