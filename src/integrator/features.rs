@@ -21,54 +21,61 @@ const BOUNCES: usize = 8;
 
 /// Follows a ray through mirrors and through glass (refracted, unless all is reflected); `None` where it meets nothing.
 pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
-    let mut ray = ray;
-    let mut depth = 0i32;
-    for bounce in 0..=BOUNCES {
-        let hit = scene.closest(&ray)?;
-        let vertex = scene.vertex(&ray, &hit);
-        depth = depth.saturating_add(hit.t);
-        let onward = if vertex.is_emitter || vertex.material.is_smooth() || bounce == BOUNCES {
-            None
-        } else {
-            // The last of the lobe's range: refraction, wherever there is any.
-            vertex.sample([Uniform::ZERO; 2], Uniform::MAX)
-        };
-        let Some(onward) = onward else {
-            return Some(Features {
-                albedo: vertex.albedo(),
-                normal: vertex.facing(),
-                depth,
-                id: vertex.id,
-            });
-        };
-        ray = Ray {
-            origin: vertex.surface.leave(onward.wi),
-            dir: onward.wi,
-        };
+    let mut last = Last { depth: 0, seen: None };
+    follow(scene, ray, &mut last, &mut 0);
+    last.seen
+}
+
+/// What was met last on the way.
+struct Last {
+    depth: i32,
+    seen: Option<Features>,
+}
+
+impl Witness for Last {
+    fn surface(&mut self, vertex: &Vertex, _: Radiance, distance: i32) {
+        self.depth = self.depth.saturating_add(distance);
+        self.seen = Some(Features {
+            albedo: vertex.albedo(),
+            normal: vertex.facing(),
+            depth: self.depth,
+            id: vertex.id,
+        });
     }
-    None
+
+    fn nothing(&mut self, _: &Ray, _: Radiance) {
+        self.seen = None;
+    }
+
+    fn passed(&mut self, _: i32) {}
 }
 
 /// The same as a path's [`Witness`] would tell it: what shines and what is beyond everything has an answer, too.
 ///
 /// `rays` counts what was asked of the scene.
 pub fn first(scene: &Scene, ray: Ray, rays: &mut u32) -> First {
+    let mut first = First::new();
+    follow(scene, ray, &mut first, rays);
+    first
+}
+
+/// Tells what the way meets that [`features`] follows.
+fn follow(scene: &Scene, ray: Ray, witness: &mut impl Witness, rays: &mut u32) {
     let mut ray = ray;
     let mut throughput = Radiance::WHITE;
-    let mut first = First::new();
     for bounce in 0..=BOUNCES {
         *rays = rays.wrapping_add(1);
         let Some(hit) = scene.closest(&ray) else {
-            first.nothing(&ray, throughput);
-            break;
+            return witness.nothing(&ray, throughput);
         };
         let vertex = scene.vertex(&ray, &hit);
-        first.surface(&vertex, throughput, hit.t);
-        if first.is_found || bounce == BOUNCES {
-            break;
+        witness.surface(&vertex, throughput, hit.t);
+        if is_end(&vertex) || bounce == BOUNCES {
+            return;
         }
+        // The last of the lobe's range: refraction, wherever there is any.
         let Some(onward) = vertex.sample([Uniform::ZERO; 2], Uniform::MAX) else {
-            break;
+            return;
         };
         throughput = throughput.mul(onward.weight);
         ray = Ray {
@@ -76,7 +83,11 @@ pub fn first(scene: &Scene, ray: Ray, rays: &mut u32) -> First {
             dir: onward.wi,
         };
     }
-    first
+}
+
+/// Neither mirror nor smooth glass.
+fn is_end(vertex: &Vertex) -> bool {
+    vertex.is_emitter || vertex.material.is_smooth()
 }
 
 /// Who wants to know what a camera path meets on its way.
@@ -192,7 +203,7 @@ impl Witness for First {
         self.albedo = shares(throughput).times(own);
         self.normal = vertex.facing();
         self.id = vertex.id;
-        self.is_found = vertex.is_emitter || vertex.material.is_smooth();
+        self.is_found = is_end(vertex);
         self.is_drawn |= matches!(vertex.material, Material::Dielectric(_));
     }
 

@@ -1,7 +1,7 @@
 //! `host-sim animate`.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -115,9 +115,7 @@ fn stills(folder: &Path, frames: &[Shown], stop: &AtomicBool) -> Result<(), Fail
         };
         let bytes = Format::Png.encode(&picture, &Style::default());
         let bytes = bytes.map_err(|error| FileError::new(&path, error))?;
-        let file = File::create(&path).map_err(|error| FileError::io(&path, &error))?;
-        let written = BufWriter::new(file).write_all(&bytes);
-        written.map_err(|error| FileError::io(&path, &error))?;
+        Target::check(&path)?.write(&bytes)?;
     }
     Ok(())
 }

@@ -308,7 +308,7 @@ fn is_near(a: u8, b: u8) -> bool {
 fn blend(light: Rgb9e5, then: Rgb9e5, n: u32, noise: u32) -> Rgb9e5 {
     let ((a, ea), (b, eb)) = (light.to_parts(), then.to_parts());
     let exponent = ea.max(eb);
-    // Tenths of a bit: raw: under 2^9 · 2^16 · 2^3.
+    // raw: under 2^9 · 2^16, and 2^3 times that in the sum.
     let wide = |m: u32, e: i32| (m << 16) >> (exponent - e).clamp(0, 31);
     let mixed = |i: usize| {
         let sum = wide(a[i], ea) + wide(b[i], eb) * n.saturating_sub(1);
