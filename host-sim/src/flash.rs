@@ -13,7 +13,7 @@ use microlux::shape::{Bounds, TriangleMesh, Triangles};
 use crate::bake::{self, Aligned, BlobTooLarge, Packed};
 use crate::desc::{CameraDesc, IntegratorDesc, IntegratorKind, LensDesc, MeshDesc, SceneDesc};
 use crate::quantise::CoreScene;
-use crate::run::{self, Error};
+use crate::run::{self, Error, Options};
 
 /// What was baked.
 #[derive(Clone, Debug)]
@@ -99,7 +99,7 @@ pub fn bake(desc: &SceneDesc, is_whole: bool) -> Result<Flash, Error> {
     let lent = core.lend();
     let scene = core.scene(&lent)?;
     let of = scene.parts();
-    let bytes = bake::scene_blob(&packed, of, &run::shot(desc, &core)).map_err(too_large)?;
+    let bytes = bake::scene_blob(&packed, of, &shot(desc, &core)).map_err(too_large)?;
     let most = of.meshes.len().max(of.textures.len()).max(of.blobs.len());
     Ok(Flash {
         meshes: parts,
@@ -109,6 +109,28 @@ pub fn bake(desc: &SceneDesc, is_whole: bool) -> Result<Flash, Error> {
         }),
         bytes,
     })
+}
+
+/// How the scene wants to be rendered, as a baked one says it.
+fn shot(desc: &SceneDesc, core: &CoreScene) -> Shot {
+    let path = run::integrator(desc, &Options::for_scene(desc));
+    Shot {
+        camera: core.camera,
+        width: desc.width as u16,
+        height: desc.height as u16,
+        spp: desc.spp.unwrap_or(0),
+        technique: match desc.integrator.kind {
+            IntegratorKind::Ao => Technique::AmbientOcclusion,
+            IntegratorKind::Direct => Technique::Direct,
+            IntegratorKind::Path => Technique::Path,
+            IntegratorKind::Bdpt => Technique::Bdpt,
+            IntegratorKind::Light => Technique::LightTracer,
+        },
+        max_depth: path.max_depth,
+        rr_depth: path.rr_depth,
+        hide_emitters: path.hide_emitters,
+        ao_radius: run::ao_radius(desc, core),
+    }
 }
 
 /// Whether what was baked is a whole scene, and not meshes alone.

@@ -6,24 +6,26 @@ use std::time::Instant;
 use crate::bake::Aligned;
 use crate::clean::{self, Cleaning, Frames};
 use crate::dequantise::{self, Frame};
-use crate::desc::{IntegratorKind, SamplerKind, SceneDesc, Vec3};
+use crate::desc::{IntegratorKind, SamplerKind, SceneDesc};
 use crate::expose::SharedExposure;
 use crate::quantise::{CoreScene, Lent, QuantiseError};
 use crate::show::{self, DisplayKind, Look};
 use crate::{primary, reference};
 use embedded_graphics::geometry::{Point, Size};
 use embedded_graphics::primitives::{PointsIter, Rectangle};
-use microlux::bvh::Node;
 use microlux::color::Radiance;
 use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::{Baked, BakedError, Scene, Shot, Technique};
+use microlux::scene::{Baked, BakedError, Scene};
 use rayon::prelude::*;
+
+mod info;
 
 pub use crate::picture::{Aov, Picture};
 pub use crate::primary::PrimaryReport;
+pub use info::{Info, describe};
 
 /// Samples a pixel where neither the scene nor the user names a number.
 pub const DEFAULT_SPP: u32 = 64;
@@ -130,46 +132,6 @@ pub enum Error {
     /// The scene cannot be rendered: one line that names the offender and what would have been right.
     #[error("{0}")]
     Scene(String),
-}
-
-/// What a scene is made of once it is in the core's formats.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Info {
-    /// Primitives and instances of the scene itself.
-    pub shapes: usize,
-    pub meshes: usize,
-    /// Triangles of all meshes.
-    pub triangles: usize,
-    pub materials: usize,
-    pub lights: usize,
-    /// BVH nodes of the scene and of its meshes.
-    pub nodes: usize,
-    /// Levels of the deepest way from the scene's root to a leaf.
-    pub bvh_depth: usize,
-    /// Corners of the box around everything finite, metres.
-    pub bounds: [Vec3; 2],
-    /// Metres of one step of the scene frame.
-    pub unit: f64,
-    /// Number formats by role, such as `("position", "i32, 2^-20 m")`.
-    pub formats: Vec<(&'static str, String)>,
-    /// Constant data (flash) by part.
-    pub bytes_geometry: usize,
-    pub bytes_bvh: usize,
-    pub bytes_normals: usize,
-    /// Materials, lights, and what else the parts above leave out.
-    pub bytes_rest: usize,
-    /// RAM by part for the given options, such as `("tile", 11520)`.
-    pub ram: Vec<(&'static str, usize)>,
-}
-
-impl Info {
-    pub fn bytes_total(&self) -> usize {
-        self.bytes_geometry + self.bytes_bvh + self.bytes_normals + self.bytes_rest
-    }
-
-    pub fn ram_bytes(&self) -> usize {
-        self.ram.iter().map(|&(_, bytes)| bytes).sum()
-    }
 }
 
 /// The picture as the board computes it: fixed point throughout.
@@ -459,86 +421,6 @@ pub fn compare_primary_rays(
     pool(options.threads)?.install(compare)?.ok_or(Error::Cancelled)
 }
 
-/// What the scene becomes in the core's formats, and the RAM that rendering it with these options takes.
-pub fn describe(desc: &SceneDesc, options: &Options) -> Result<Info, Error> {
-    let core = CoreScene::new(desc)?;
-    let lent = core.lend();
-    let meshes = &lent.meshes;
-    let scene = core.scene(&lent)?;
-    let parts = scene.parts();
-    let mesh_nodes: usize = meshes.iter().map(|mesh| mesh.nodes.len()).sum();
-    let nodes = parts.nodes.len() + mesh_nodes;
-    let bits = core.unit.fraction_bits();
-    let renderer = Renderer::new(
-        &scene,
-        core.camera,
-        integrator(desc, options),
-        sampler(options),
-        settings(options),
-    );
-    let plain = meshes.iter().filter_map(|mesh| mesh.triangles.plain());
-    let bytes_normals = plain.map(|mesh| size_of_val(mesh.attributes.normals)).sum();
-    let bytes_textures: usize = lent.textures.iter().map(|texture| texture.bytes()).sum();
-    Ok(Info {
-        shapes: parts.shapes.len(),
-        meshes: meshes.len(),
-        triangles: meshes.iter().map(|mesh| mesh.triangles.count()).sum(),
-        materials: parts.materials.len(),
-        lights: parts.lights.len(),
-        nodes,
-        bvh_depth: scene.depth(),
-        bounds: core.bounds(desc),
-        unit: f64::from(-bits).exp2(),
-        formats: vec![
-            ("position", format!("i32, steps of 2^{} m", -bits)),
-            ("mesh vertex", "3 × u16 in the mesh's own cube".to_string()),
-            ("direction", "3 × I16F16".to_string()),
-            ("radiance", "3 × u16 mantissa, i16 exponent".to_string()),
-            ("density", "u16 mantissa, i16 exponent".to_string()),
-        ],
-        bytes_geometry: size_of_val(parts.shapes)
-            + meshes.iter().map(|mesh| mesh.triangles.bytes()).sum::<usize>()
-            - bytes_normals,
-        bytes_bvh: nodes * size_of::<Node>(),
-        bytes_normals,
-        bytes_rest: size_of_val(parts.materials)
-            + size_of_val(parts.lights)
-            + core.map_bytes()
-            + bytes_textures
-            + size_of_val(&scene),
-        ram: vec![
-            (
-                "tile",
-                (options.width * options.tile_height) as usize * size_of::<Radiance>(),
-            ),
-            ("renderer", size_of_val(&renderer)),
-        ],
-    })
-}
-
-/// How the scene wants to be rendered, as a baked one says it.
-pub fn shot(desc: &SceneDesc, core: &CoreScene) -> Shot {
-    let options = Options::for_scene(desc);
-    let path = integrator(desc, &options);
-    Shot {
-        camera: core.camera,
-        width: desc.width as u16,
-        height: desc.height as u16,
-        spp: desc.spp.unwrap_or(0),
-        technique: match desc.integrator.kind {
-            IntegratorKind::Ao => Technique::AmbientOcclusion,
-            IntegratorKind::Direct => Technique::Direct,
-            IntegratorKind::Path => Technique::Path,
-            IntegratorKind::Bdpt => Technique::Bdpt,
-            IntegratorKind::Light => Technique::LightTracer,
-        },
-        max_depth: path.max_depth,
-        rr_depth: path.rr_depth,
-        hide_emitters: path.hide_emitters,
-        ao_radius: ao_radius(desc, core),
-    }
-}
-
 fn settings(options: &Options) -> Settings {
     Settings {
         width: options.width as u16,
@@ -574,7 +456,7 @@ const BOARD_VERTICES: usize = 8;
 const HOST_VERTICES: usize = 62;
 
 /// How far ambient occlusion looks, units.
-fn ao_radius(desc: &SceneDesc, core: &CoreScene) -> i32 {
+pub(crate) fn ao_radius(desc: &SceneDesc, core: &CoreScene) -> i32 {
     let all = f64::from(AmbientOcclusion::FULL);
     match desc.integrator.ao_radius {
         Some(metres) => (metres * f64::from(core.unit.fraction_bits()).exp2()).clamp(1.0, all) as i32,
@@ -582,7 +464,7 @@ fn ao_radius(desc: &SceneDesc, core: &CoreScene) -> i32 {
     }
 }
 
-fn integrator(desc: &SceneDesc, options: &Options) -> Path {
+pub(crate) fn integrator(desc: &SceneDesc, options: &Options) -> Path {
     let max_depth = match options.integrator {
         IntegratorKind::Direct => 2,
         _ => options
