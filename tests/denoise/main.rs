@@ -9,7 +9,7 @@ mod twin;
 
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
-use microlux::film::denoise::{Denoiser, Memory, Size};
+use microlux::film::denoise::{Before, Denoiser, Memory, Reproject, Size};
 
 fn value(light: Radiance) -> [f64; 3] {
     let (m, e) = light.to_parts();
@@ -31,6 +31,19 @@ impl Random {
 
     fn below(&mut self, n: u32) -> u32 {
         ((u64::from(self.bits()) * u64::from(n)) >> 32) as u32
+    }
+}
+
+/// Everything was this far to the right and down, sixteenths.
+struct Shift([i32; 2]);
+
+impl Reproject for Shift {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        let place = [
+            16 * i32::from(x) + 8 + self.0[0],
+            16 * i32::from(y) + 8 + self.0[1],
+        ];
+        Some(Before { place, depth })
     }
 }
 

@@ -6,21 +6,7 @@ use microlux::film::denoise::network::{
 };
 use microlux::num::Crc;
 
-struct Pcg(u64);
-
-impl Pcg {
-    fn next(&mut self) -> u32 {
-        self.0 = self
-            .0
-            .wrapping_mul(6_364_136_223_846_793_005)
-            .wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as u32
-    }
-
-    fn below(&mut self, end: u32) -> u32 {
-        self.next() % end
-    }
-}
+use crate::Random;
 
 /// Memory with something in it.
 struct Room {
@@ -70,14 +56,14 @@ fn denoise(
 
 const SIZES: [[usize; 2]; 7] = [[1, 1], [2, 1], [1, 9], [7, 5], [8, 8], [33, 17], [40, 30]];
 
-fn inputs(rng: &mut Pcg, count: usize) -> Vec<Input> {
+fn inputs(rng: &mut Random, count: usize) -> Vec<Input> {
     (0..count)
         .map(|_| Input::from_bits([0; INPUTS].map(|_| rng.below(64) as u8)))
         .collect()
 }
 
 /// Weights with as much in each sum as is allowed, in few large ones or many small ones.
-fn weights(rng: &mut Pcg) -> (Box<[i8; WEIGHTS]>, Box<[i16; BIASES]>) {
+fn weights(rng: &mut Random) -> (Box<[i8; WEIGHTS]>, Box<[i16; BIASES]>) {
     let mut table = Box::new([0i8; WEIGHTS]);
     let mut from = 0;
     for layer in LAYERS {
@@ -224,7 +210,7 @@ fn plainly(
 
 #[test]
 fn two_sums_in_a_word_are_both_sums() {
-    let mut rng = Pcg(1);
+    let mut rng = Random(1);
     for [width, height] in SIZES {
         let (table, biases) = weights(&mut rng);
         let input = inputs(&mut rng, width * height);
@@ -252,7 +238,7 @@ fn two_sums_in_a_word_are_both_sums() {
 
 #[test]
 fn light_that_is_the_same_all_over_stays() {
-    let mut rng = Pcg(2);
+    let mut rng = Random(2);
     for [width, height] in SIZES {
         let (table, biases) = weights(&mut rng);
         let input = inputs(&mut rng, width * height);
@@ -268,7 +254,7 @@ fn light_that_is_the_same_all_over_stays() {
 
 #[test]
 fn light_is_mixed_and_never_made() {
-    let mut rng = Pcg(3);
+    let mut rng = Random(3);
     for [width, height] in SIZES {
         let (table, biases) = weights(&mut rng);
         let weights = Weights::new(&table, &biases).unwrap();
@@ -295,25 +281,25 @@ fn light_is_mixed_and_never_made() {
 
 #[test]
 fn nothing_panics_and_every_run_is_the_same() {
-    let mut rng = Pcg(4);
+    let mut rng = Random(4);
     for round in 0..20 {
         let (table, biases) = weights(&mut rng);
         let biases = biases.map(|b| {
             if round % 2 == 0 {
                 b
             } else {
-                (rng.next() >> 8) as i16
+                (rng.bits() >> 8) as i16
             }
         });
         let weights = Weights::new(&table, &biases).unwrap();
         let [width, height] = SIZES[round % SIZES.len()];
-        let extreme = |rng: &mut Pcg| [0, u16::MAX, 1, rng.next() as u16][rng.below(4) as usize];
+        let extreme = |rng: &mut Random| [0, u16::MAX, 1, rng.bits() as u16][rng.below(4) as usize];
         let light: Vec<[u16; 3]> = (0..width * height)
             .map(|_| [0; 3].map(|_| extreme(&mut rng)))
             .collect();
         let input: Vec<Input> = (0..width * height)
             .map(|_| {
-                Input::from_bits([0; INPUTS].map(|_| [0, 63, 255, rng.next() as u8][rng.below(4) as usize]))
+                Input::from_bits([0; INPUTS].map(|_| [0, 63, 255, rng.bits() as u8][rng.below(4) as usize]))
             })
             .collect();
         let crc = |fill: u8| {

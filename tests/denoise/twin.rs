@@ -1,9 +1,9 @@
 //! The same filters in f64, written from what they shall do, not from how the core does it.
 
-use crate::{Random, value, with_denoiser};
+use crate::{Random, Shift, value, with_denoiser};
 use microlux::color::Rgb9e5;
 use microlux::film::Feature;
-use microlux::film::denoise::{Atrous, Before, Reproject, Size, upsample};
+use microlux::film::denoise::{Atrous, Size, upsample};
 use microlux::geom::Octahedral;
 
 const SIZE: Size = Size {
@@ -155,18 +155,6 @@ fn step(frame: &Frame, step: usize, filter: &Atrous) -> Frame {
         pixel.light = sum.map(|c| c / weight);
         pixel
     })
-}
-
-struct Shift([i32; 2]);
-
-impl Reproject for Shift {
-    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
-        let place = [
-            16 * i32::from(x) + 8 + self.0[0],
-            16 * i32::from(y) + 8 + self.0[1],
-        ];
-        Some(Before { place, depth })
-    }
 }
 
 /// A floor that runs away, a ball and a wall; light with a gradient and noise of a half about it.

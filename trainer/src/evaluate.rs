@@ -2,16 +2,14 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use anyhow::{Context, Result, anyhow, ensure};
 use host_sim::metrics::Metrics;
-use host_sim::picture;
+use host_sim::picture::{self, Format, Style};
 use indicatif::{ProgressBar, ProgressStyle};
-use microlux::color::Radiance;
-use microlux::color::Rgb9e5;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
 use microlux::film::denoise::{Denoiser, Filter, Memory, Size};
 use microlux::film::feature::{Feature, albedo_code};
@@ -80,7 +78,6 @@ pub fn run(options: &Options) -> Result<()> {
             methods.extend(["OIDN fast", "OIDN high"]);
         }
         let mut sums = vec![[0.0; 3]; methods.len()];
-        let mut worst = vec![f64::INFINITY; methods.len()];
         let bar = ProgressBar::new(shots.len() as u64).with_style(ProgressStyle::with_template(
             "{prefix} {wide_bar} {pos}/{len} {msg}",
         )?);
@@ -115,7 +112,6 @@ pub fn run(options: &Options) -> Result<()> {
             for (i, result) in results.iter().enumerate() {
                 let values = measure(shot.side, result, &shot.reference)?;
                 (0..3).for_each(|k| sums[i][k] += values[k]);
-                worst[i] = worst[i].min(values[0] - measure(shot.side, &noisy, &shot.reference)?[0]);
                 write!(each, " {:.2} |", values[0])?;
             }
             writeln!(each)?;
@@ -247,7 +243,8 @@ fn by_oidn(oidn: &Path, quality: &str, scene: &Picture, noisy: &Rgb) -> Result<R
         ("a.pfm", &scene.albedo),
         ("n.pfm", &scene.normal),
     ] {
-        write_pfm(&file(name), scene.width, pixels)?;
+        let bytes = Format::Pfm.encode(&picture_of(scene.width, pixels.clone()), &Style::default());
+        fs::write(file(name), bytes.map_err(|error| anyhow!(error))?)?;
     }
     let output = Command::new(oidn.join("bin/oidnDenoise"))
         .env("LD_LIBRARY_PATH", oidn.join("lib"))
@@ -272,16 +269,6 @@ fn by_oidn(oidn: &Path, quality: &str, scene: &Picture, noisy: &Rgb) -> Result<R
 }
 
 /// Portable float map: bottom row first, little end first.
-fn write_pfm(file: &Path, width: usize, pixels: &[[f32; 3]]) -> Result<()> {
-    let mut bytes = format!("PF\n{width} {}\n-1.0\n", pixels.len() / width).into_bytes();
-    for row in pixels.chunks_exact(width).rev() {
-        row.as_flattened()
-            .iter()
-            .for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
-    }
-    Ok(fs::File::create(file)?.write_all(&bytes)?)
-}
-
 fn read_pfm(file: &Path, width: usize) -> Result<Rgb> {
     let bytes = fs::read(file).with_context(|| format!("{}", file.display()))?;
     let mut lines = bytes.splitn(4, |&b| b == b'\n');
@@ -294,17 +281,20 @@ fn read_pfm(file: &Path, width: usize) -> Result<Rgb> {
     Ok(rows.flat_map(|row| row.as_chunks::<3>().0.to_vec()).collect())
 }
 
-/// PSNR (dB), SSIM and FLIP of sRGB signals of x / (1 + x).
-fn measure(width: usize, rgb: &Rgb, reference: &Rgb) -> Result<[f64; 3]> {
-    let mapped = |rgb: &Rgb| picture::Picture {
+fn picture_of(width: usize, rgb: Rgb) -> picture::Picture {
+    picture::Picture {
         width,
         height: rgb.len() / width,
-        rgb: rgb
-            .iter()
-            .map(|p| p.map(|c| c.max(0.0) / (1.0 + c.max(0.0))))
-            .collect(),
-        aov: None,
-        display: None,
+        rgb,
+        ..picture::Picture::default()
+    }
+}
+
+/// PSNR (dB), SSIM and FLIP of sRGB signals of x / (1 + x).
+fn measure(width: usize, rgb: &Rgb, reference: &Rgb) -> Result<[f64; 3]> {
+    let mapped = |rgb: &Rgb| {
+        let signals = rgb.iter().map(|p| p.map(|c| c.max(0.0) / (1.0 + c.max(0.0))));
+        picture_of(width, signals.collect())
     };
     let (a, b) = (mapped(rgb), mapped(reference));
     let metrics = Metrics::of(&a, &b)?;
