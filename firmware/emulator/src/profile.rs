@@ -3,7 +3,13 @@
 //! Every address of the program gets a stage by the source files of the functions that were inlined there, the innermost
 //! first that belongs to a stage. Arithmetic belongs to none: it counts for who asked for it, inlined or called.
 
-use std::{collections::BTreeMap, fmt::Write as _, fs, ops::Range, path::Path};
+use std::{
+    collections::BTreeMap,
+    fmt::Write as _,
+    fs,
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 use addr2line::Loader;
 use anyhow::{Context, Result, anyhow, ensure};
@@ -52,7 +58,7 @@ const UNPACKING: usize = 4;
 const SURFACE: usize = 5;
 
 /// Sources that serve several stages.
-const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color.rs", "src/sampler/warp.rs"];
+const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color/", "src/sampler/warp.rs"];
 
 const CORES: [Machine; 4] = [
     MICROBIT,
@@ -82,13 +88,7 @@ pub fn run(file: &Path) -> Result<()> {
 }
 
 fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
-    let build = Build {
-        package: "qemu",
-        features: &[],
-        environment: &[("MACHINE", machine.name())],
-        name: &format!("profile-{}", machine.name()),
-    };
-    let program = toolchain::build(&build, machine.target(), "profile")?;
+    let program = program(machine)?;
     let elf = fs::read(&program)?;
     let elf = object::File::parse(&*elf)?;
     let table = toolchain::work_folder()?.join(format!("{}.stages", machine.name()));
@@ -111,6 +111,17 @@ fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
             report.row(machine, region, scene, drawn, &functions)
         })
         .collect()
+}
+
+/// Builds what is profiled.
+pub fn program(machine: Machine) -> Result<PathBuf> {
+    let build = Build {
+        package: "qemu",
+        features: &[],
+        environment: &[("MACHINE", machine.name())],
+        name: &format!("profile-{}", machine.name()),
+    };
+    toolchain::build(&build, machine.target(), "profile")
 }
 
 /// Pixels, rays and the CRC-32 of the line that the program prints of a scene.

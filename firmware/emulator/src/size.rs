@@ -10,7 +10,11 @@ use object::{Object, ObjectSection, SectionFlags, elf};
 
 use xtask::board::Board;
 
-use crate::toolchain::{self, Build};
+use crate::{
+    machine::MICROBIT,
+    profile,
+    toolchain::{self, Build},
+};
 
 /// A board's own firmware; the micro:bit's is the jobs.
 pub struct Program {
@@ -56,6 +60,8 @@ pub fn table() -> Result<()> {
         let size = of(&program.build()?)?;
         println!("{:<9} {:>12} {:>11}", program.board.name(), size.flash, size.ram);
     }
+    // No board's, but it shall build, too.
+    profile::program(MICROBIT)?;
     Ok(())
 }
 

@@ -18,7 +18,7 @@ pub struct Step {
 }
 
 /// All of them, in their order.
-pub const STEPS: [Step; 9] = [
+pub const STEPS: [Step; 10] = [
     Step {
         name: "fmt",
         about: "the text is as rustfmt leaves it",
@@ -68,6 +68,12 @@ pub const STEPS: [Step; 9] = [
         run: fuzz::check,
     },
     Step {
+        name: "beside",
+        about: "the workspaces beside the code: tests of trainer/, and peers/ builds",
+        needs: &[Part::Host],
+        run: beside,
+    },
+    Step {
         name: "firmware",
         about: "every board's program fits; nine machines give one picture; the Pico's display and its faults",
         needs: &[Part::Host, Part::Targets, Part::Qemu, Part::Node],
@@ -77,8 +83,14 @@ pub const STEPS: [Step; 9] = [
 
 fn fmt() -> Result<String> {
     component("fmt", "rustfmt")?;
-    // Workspaces of their own: the program that `no-float` links, and the fuzz targets.
-    for workspace in ["Cargo.toml", "tests/no-float/Cargo.toml", "fuzz/Cargo.toml"] {
+    // Workspaces of their own: the program that `no-float` links, the fuzz targets, and those of `beside`.
+    for workspace in [
+        "Cargo.toml",
+        "tests/no-float/Cargo.toml",
+        "fuzz/Cargo.toml",
+        "trainer/Cargo.toml",
+        "peers/Cargo.toml",
+    ] {
         let mut fmt = shell::cargo("fmt");
         fmt.args([
             "--all",
@@ -120,6 +132,22 @@ fn doc() -> Result<String> {
             .env("RUSTDOCFLAGS", "-D warnings"),
     )?;
     Ok("no warning".to_string())
+}
+
+/// What no other step builds, so that it does not go stale.
+fn beside() -> Result<String> {
+    let folder = shell::target_dir().join("beside");
+    let cargo = |command: &str, workspace: &str| {
+        let mut cargo = shell::cargo(command);
+        cargo.args(["--locked", "--manifest-path", workspace, "--target-dir"]);
+        cargo.arg(&folder);
+        cargo
+    };
+    let output = shell::run_teed(cargo("test", "trainer/Cargo.toml").arg("--release"))?;
+    let total = summary::test_total(&output);
+    ensure!(total.passed > 0, "no test of trainer/ ran");
+    shell::run(&mut cargo("check", "peers/Cargo.toml"))?;
+    Ok(format!("trainer: {total}; peers builds"))
 }
 
 /// Complains if cargo lacks a subcommand that a rustup component brings.

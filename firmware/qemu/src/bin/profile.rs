@@ -54,9 +54,8 @@ fn cornell() {
 
 #[inline(never)]
 fn knot() {
-    let Some(Ok(mut pedestal)) = mesh::mesh().ok().map(Pedestal::new) else {
-        refuse()
-    };
+    let Ok(baked) = mesh::baked() else { refuse() };
+    let mut pedestal = Pedestal::new(baked);
     let Ok((scene, camera)) = pedestal.scene() else {
         refuse()
     };
