@@ -60,7 +60,7 @@ enum Chore {
     /// Measure what the samplers are worth and write docs/sampling.md
     ///
     /// Renders every built-in scene, and scene files, with every sampler at 1 to 64 samples a pixel: the error at equal
-    /// samples, how fast it falls, and what is left of it from a distance. Takes some ten minutes.
+    /// samples, how fast it falls, and what is left of it from a distance. Takes about an hour.
     Sampling(sampling::Options),
     /// Compare the golden pictures with the record
     Golden(golden::Options),

@@ -13,8 +13,9 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, files};
-use crate::{picture, shell};
-use spread::{Spread, far, slope};
+use crate::picture::{self, Picture};
+use crate::shell;
+use spread::{Blocks, Spread, far, slope};
 
 #[derive(Args)]
 pub struct Options {
@@ -35,7 +36,12 @@ const CURVES: &str = "docs/img/sampling.svg";
 const SAMPLERS: [&str; 5] = ["independent", "stratified", "cmj", "sobol", "blue"];
 /// Samples a pixel.
 const LEVELS: [u32; 7] = [1, 2, 4, 8, 16, 32, 64];
-const SEEDS: u32 = 8;
+/// Renders that a spread is of.
+const BLOCK: u32 = 8;
+/// At the last level, blocks of them: at least, and at most while a share of independent samples' error is not yet so
+/// many standard errors from 1.
+const BLOCKS: [usize; 2] = [4, 128];
+const CLEAR: f64 = 3.0;
 const WIDTH: u32 = 64;
 /// Levels from which a slope is fitted: strata have not begun before.
 const SLOPE_FROM: u32 = 4;
@@ -49,6 +55,8 @@ struct Row {
     near: [[Spread; LEVELS.len()]; SAMPLERS.len()],
     /// Of the pictures blurred.
     far: [[Spread; LEVELS.len()]; SAMPLERS.len()],
+    /// Of the last level.
+    blocks: [Blocks; SAMPLERS.len()],
 }
 
 impl Row {
@@ -60,6 +68,18 @@ impl Row {
     fn share(&self, sampler: usize, of: fn(&Spread) -> f64) -> f64 {
         let last = LEVELS.len() - 1;
         of(&self.near[sampler][last]) / of(&self.near[0][last])
+    }
+
+    /// Standard error of the RMSE's share.
+    fn error(&self, sampler: usize) -> f64 {
+        let [own, independent] = [sampler, 0].map(|i| self.blocks[i].error());
+        self.share(sampler, |spread| spread.rmse) * own.hypot(independent)
+    }
+
+    /// Whether it is clear of each sampler that its RMSE is another than independent samples'.
+    fn is_clear(&self) -> bool {
+        (1..SAMPLERS.len())
+            .all(|i| (self.share(i, |spread| spread.rmse) - 1.0).abs() >= CLEAR * self.error(i))
     }
 
     /// Of the pixels' mean error: a power of the number of samples.
@@ -88,9 +108,14 @@ pub fn run(options: &Options) -> Result<()> {
     for case in &cases {
         let row = measure(&host_sim, case)?;
         let shares: Vec<_> = (1..SAMPLERS.len())
-            .map(|i| format!("{} {:.3}", SAMPLERS[i], row.share(i, |spread| spread.rmse)))
+            .map(|i| format!("{} {}", SAMPLERS[i], rmse(&row, i)))
             .collect();
-        println!("{}: {}", row.label(), shares.join(", "));
+        println!(
+            "{}: {}; {} renders",
+            row.label(),
+            shares.join(", "),
+            renders(&row)
+        );
         rows.push(row);
     }
     let text = text(&header, &rows);
@@ -109,6 +134,8 @@ pub fn run(options: &Options) -> Result<()> {
             "scene": row.scene, "integrator": row.integrator,
             "rmse": row.near.map(|levels| levels.map(|spread| spread.rmse)),
             "mean": row.near.map(|levels| levels.map(|spread| spread.mean)),
+            "relative_error_of_last_rmse": row.blocks.each_ref().map(Blocks::error),
+            "renders_of_last": renders(row),
             "mean_from_afar": row.far.map(|levels| levels.map(|spread| spread.mean)),
         })).collect::<Vec<_>>() });
         std::fs::write(file, serde_json::to_string_pretty(&numbers)?)
@@ -123,47 +150,73 @@ fn measure(host_sim: &Path, case: &Case) -> Result<Row> {
         integrator: case.integrator.unwrap_or("its own"),
         near: Default::default(),
         far: Default::default(),
+        blocks: Default::default(),
     };
-    let integrator = case.integrator.map(|name| vec!["--integrator", name]);
-    let integrator = integrator.unwrap_or_default();
-    for (i, sampler) in SAMPLERS.iter().enumerate() {
-        for (j, spp) in LEVELS.iter().enumerate() {
-            let mut pictures = Vec::new();
-            for seed in 1..=SEEDS {
-                let (width, spp, seed) = (WIDTH.to_string(), spp.to_string(), seed.to_string());
-                let settings = [
-                    "--width",
-                    &width,
-                    "--spp",
-                    &spp,
-                    "--seed",
-                    &seed,
-                    "--sampler",
-                    sampler,
-                ];
-                pictures.push(picture::render(
-                    host_sim,
-                    case,
-                    &[&settings, &integrator[..]].concat(),
-                )?);
-            }
+    let last = LEVELS.len() - 1;
+    for i in 0..SAMPLERS.len() {
+        for j in 0..last {
+            let pictures = block(host_sim, case, i, j, 0)?;
             row.near[i][j] = Spread::of(&pictures);
             row.far[i][j] = Spread::of(&pictures.iter().map(far).collect::<Vec<_>>());
         }
     }
-    Ok(row)
+    let mut wanted = BLOCKS[0];
+    loop {
+        for i in 0..SAMPLERS.len() {
+            for number in row.blocks[i].count()..wanted {
+                let pictures = block(host_sim, case, i, last, number as u32)?;
+                row.blocks[i].push(Spread::of(&pictures));
+            }
+            row.near[i][last] = row.blocks[i].spread();
+        }
+        if row.is_clear() || wanted >= BLOCKS[1] {
+            return Ok(row);
+        }
+        wanted *= 2;
+    }
+}
+
+/// Renders that differ by their seed; other numbers, other seeds.
+fn block(host_sim: &Path, case: &Case, sampler: usize, level: usize, number: u32) -> Result<Vec<Picture>> {
+    let (width, spp) = (WIDTH.to_string(), LEVELS[level].to_string());
+    let integrator = case.integrator.map(|name| ["--integrator", name]);
+    (number * BLOCK + 1..=(number + 1) * BLOCK)
+        .map(|seed| {
+            let seed = seed.to_string();
+            let mut arguments = vec!["--width", &width, "--spp", &spp, "--seed", &seed];
+            arguments.extend(["--sampler", SAMPLERS[sampler]]);
+            arguments.extend(integrator.iter().flatten());
+            picture::render(host_sim, case, &arguments)
+        })
+        .collect()
 }
 
 const WORDS: &str = "\
-The error of a pixel is its standard deviation over 8 renders, 64 pixels wide, that differ by their seed, so no
+The error of a pixel is its standard deviation over renders, 64 pixels wide, that differ by their seed, so no
 reference's noise is in it (linear light, above 8 counts as 8). *RMSE* is that of all pixels, in which the few at a
-lamp's rim and in caustics decide; *mean* is that of the pixels' standard deviations. Whether samplers agree in light is
-asked by `tests/sampler.rs`, `tests/closed_form.rs` and docs/accuracy.md.
+lamp's rim and in caustics decide, with its standard error; *mean* is that of the pixels' standard deviations over
+8 renders each. At 64 samples there are 32 renders at least, and twice as many, up to 1024, until each RMSE is three
+standard errors from independent samples'. Whether samplers agree in light is asked by `tests/sampler.rs`,
+`tests/closed_form.rs` and docs/accuracy.md.
 
 No placement of 64 samples helps against what fewer than one in 64 of them finds: whatever the strata, it is found once
 or not at all. So it is with the sun of `sky` when path tracing meets it by chance by way of the glass or the metal: these
-few paths carry its RMSE, which is the same for all samplers but for what 8 renders can tell, while the mean falls.
+few paths carry almost all of its RMSE, which samplers lower by little, while the mean falls.
 ";
+
+/// The share of independent samples' RMSE, with its standard error.
+fn rmse(row: &Row, sampler: usize) -> String {
+    format!(
+        "{:.3} ±{:.3}",
+        row.share(sampler, |spread| spread.rmse),
+        row.error(sampler)
+    )
+}
+
+/// Renders at the last level.
+fn renders(row: &Row) -> usize {
+    row.blocks[0].count() * BLOCK as usize
+}
 
 fn text(header: &Header, rows: &[Row]) -> String {
     let mut page = String::from("# Samplers\n\nWritten by `cargo xtask sampling`; not to be edited.\n\n");
@@ -175,14 +228,16 @@ fn text(header: &Header, rows: &[Row]) -> String {
         "\n## Error at {} samples a pixel, over independent samples'\n\n",
         header.spp
     );
-    let columns: Vec<String> = SAMPLERS[1..]
-        .iter()
+    let columns = SAMPLERS[1..].iter();
+    let mut columns: Vec<String> = columns
         .flat_map(|name| ["RMSE", "mean"].map(|what| format!("{name}: {what}")))
         .collect();
+    columns.push("renders".to_string());
     let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
-    page += &table(rows, &columns, |row, i| {
-        let of = [|spread: &Spread| spread.rmse, |spread: &Spread| spread.mean][i % 2];
-        format!("{:.3}", row.share(1 + i / 2, of))
+    page += &table(rows, &columns, |row, i| match (1 + i / 2, i % 2) {
+        (sampler, _) if sampler == SAMPLERS.len() => renders(row).to_string(),
+        (sampler, 0) => rmse(row, sampler),
+        (sampler, _) => format!("{:.3}", row.share(sampler, |spread| spread.mean)),
     });
     page += &format!(
         "\n## How fast it falls\n\nThe mean error of a pixel goes as this power of the number of samples, \

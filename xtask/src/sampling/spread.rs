@@ -34,6 +34,43 @@ impl Spread {
     }
 }
 
+/// Spreads of equally many pictures each, block by block.
+#[derive(Clone, Default)]
+pub struct Blocks(Vec<Spread>);
+
+impl Blocks {
+    pub fn push(&mut self, block: Spread) {
+        self.0.push(block);
+    }
+
+    pub fn count(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Of all: mean variance of the blocks, and mean of their means.
+    pub fn spread(&self) -> Spread {
+        let count = self.0.len() as f64;
+        Spread {
+            rmse: self.rmse(),
+            mean: self.0.iter().map(|block| block.mean).sum::<f64>() / count,
+        }
+    }
+
+    /// Standard error of [`Self::spread`]'s RMSE, as a share of it; of at least two blocks.
+    pub fn error(&self) -> f64 {
+        let count = self.0.len() as f64;
+        let square = self.rmse().powi(2);
+        let apart: f64 = self.0.iter().map(|b| (b.rmse.powi(2) - square).powi(2)).sum();
+        // The root's share is half of the square's.
+        (apart / (count - 1.0) / count).sqrt() / square / 2.0
+    }
+
+    fn rmse(&self) -> f64 {
+        let sum: f64 = self.0.iter().map(|block| block.rmse.powi(2)).sum();
+        (sum / self.0.len() as f64).sqrt()
+    }
+}
+
 /// Standard deviation of [`far`]'s blur, in pixels.
 const SIGMA: f32 = 1.5;
 
@@ -98,6 +135,21 @@ mod tests {
         let spread = Spread::of(&pictures);
         assert!((spread.rmse - (2.0f64 / 3.0).sqrt()).abs() < 1e-12);
         assert!((spread.mean - 2.0f64.sqrt() / 3.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn blocks_are_joined_by_their_squares() {
+        let mut blocks = Blocks::default();
+        for rmse in [1.0, 7.0, 5.0, 5.0] {
+            blocks.push(Spread {
+                rmse,
+                mean: rmse / 2.0,
+            });
+        }
+        // Squares 1, 49, 25, 25: mean 25, variance 384, of the mean 96.
+        assert_eq!(blocks.spread().rmse, 5.0);
+        assert_eq!(blocks.spread().mean, 2.25);
+        assert!((blocks.error() - 96f64.sqrt() / 50.0).abs() < 1e-12);
     }
 
     #[test]
