@@ -20,8 +20,9 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout)]
 pub struct Feature {
-    /// Light that arrived, in the sense that times [`Self::albedo`] it is the pixel's: each sample's radiance over its
-    /// albedo (1/32 at least), then the mean.
+    /// Light that arrived, in the sense that times [`Self::albedo`] it is the pixel's: the samples' mean radiance over
+    /// their mean albedo (1/32 at least each). So an edge of albedo alone leaves no trace in it, and one of light no wrong
+    /// product.
     pub irradiance: Rgb9e5,
     /// The samples' mean, 1/32 at least, as [`albedo_code`] has it.
     pub albedo: [u8; 3],
@@ -119,7 +120,7 @@ pub struct Sample {
 /// Sums over a pixel's samples, at most 65536.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sum {
-    irradiance: [u64; 3],
+    radiance: [u64; 3],
     albedo: [u32; 3],
     normal: [i32; 3],
     depth: u32,
@@ -132,8 +133,7 @@ impl Sum {
     #[inline]
     pub fn add(&mut self, sample: &Sample) {
         let a = floored(sample.albedo);
-        let light = demodulate(sample.radiance, a).to_q32();
-        for (sum, light) in self.irradiance.iter_mut().zip(light) {
+        for (sum, light) in self.radiance.iter_mut().zip(sample.radiance.to_q32()) {
             *sum = sum.saturating_add(light);
         }
         for (sum, share) in self.albedo.iter_mut().zip(a.0) {
@@ -171,10 +171,13 @@ impl Sum {
             let bits = sum as u64 * r.mantissa as u64;
             ((bits + (1u64 << (r.shift - 1))) >> r.shift) as u32
         };
-        let share = |sum: u32| Share::from_bits(mean(sum).min(1 << 15) as u16);
+        let albedo = self
+            .albedo
+            .map(|sum| Share::from_bits(mean(sum).min(1 << 15) as u16));
+        let radiance = mean_q32(self.radiance, self.count);
         Feature {
-            irradiance: Rgb9e5::encode(mean_q32(self.irradiance, self.count)),
-            albedo: self.albedo.map(|sum| albedo_code(share(sum))),
+            irradiance: Rgb9e5::encode(demodulate(radiance, Albedo(albedo))),
+            albedo: albedo.map(albedo_code),
             depth: ((mean(self.depth) + 128) >> 8).min(255) as u8,
             normal: Octahedral::encode(Dir::new(self.normal).unwrap_or(Dir::Z)),
             id: self.id.0,
@@ -303,6 +306,15 @@ mod tests {
         let exact = 2.0 / 3.0;
         assert!(value(pixel.radiance()).iter().all(|c| (c - exact).abs() < 0.002));
         assert_eq!(pixel.normal.decode(), Dir::Y);
+        // A half grey surface before a black nothing: the pixel's light is the samples' mean.
+        let mut sum = Sum::default();
+        sum.add(&sample([0; 3], [1 << 15; 3], 7));
+        sum.add(&sample([1 << 14; 3], [1 << 14; 3], 9));
+        assert!(
+            value(sum.mean().radiance())
+                .iter()
+                .all(|c| (c - 0.25).abs() < 0.001)
+        );
         // Black stays black, and is not divided by.
         let mut sum = Sum::default();
         sum.add(&sample([0; 3], [0; 3], 1));
