@@ -68,7 +68,7 @@ fn around(x: i64, y: i64) -> impl Iterator<Item = (i64, i64)> {
     (0..9).map(move |i| (x + i % 3 - 1, y + i / 3 - 1))
 }
 
-/// Down by whole octaves to twice the second brightest.
+/// Down by whole octaves to four times the second brightest.
 fn without_fireflies(frame: &Frame) -> Frame {
     each(|x, y| {
         let mut lumas: Vec<_> = around(x, y)
@@ -76,7 +76,7 @@ fn without_fireflies(frame: &Frame) -> Frame {
             .map(Real::luma)
             .collect();
         lumas.sort_by(f64::total_cmp);
-        let limit = 2.0 * lumas[lumas.len() - 2];
+        let limit = 4.0 * lumas[lumas.len() - 2];
         let mut pixel = *at(frame, x, y).unwrap();
         while pixel.luma() > limit {
             pixel.light = pixel.light.map(|c| c / 2.0);

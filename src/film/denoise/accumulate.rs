@@ -46,7 +46,7 @@ pub struct Band<'a> {
 }
 
 /// A pixel's luminance is at most that of the second brightest of its 3 × 3, times two to this power.
-pub const FIREFLY: u32 = 1;
+pub const FIREFLY: u32 = 2;
 
 /// Frames that count: alpha is one over their number, 1/8 at least.
 const MOST: u8 = 8;
