@@ -1,4 +1,6 @@
 use crate::film::Feature;
+use crate::film::denoise::weight::luma_code;
+use crate::film::feature::DEPTH_NOTHING;
 use crate::num::leading_zeros;
 
 /// Numbers that the network sees of a pixel.
@@ -9,9 +11,9 @@ pub const INPUTS: usize = 11;
 pub struct Input(pub(super) [u8; INPUTS]);
 
 impl Input {
-    /// Of a pixel's feature, and how many samples are in its mean (0 counts as 1).
-    pub fn new(feature: &Feature, samples: u32) -> Input {
-        let i = irradiance(feature).map(|c| logarithm((1 << 12) + (u32::from(c) << 3), 12, 9));
+    /// Of a pixel's feature, how many samples are in its mean (0 counts as 1), and the frame's [`exposure`].
+    pub fn new(feature: &Feature, samples: u32, exposure: i32) -> Input {
+        let i = scaled(feature, exposure).map(|c| logarithm((1 << 12) + (u32::from(c) << 3), 12, 9));
         let a = feature.albedo.map(|c| c >> 2);
         // [−1, 1] onto 0 ..= 63, rounded.
         let n = feature.normal.decode().0;
@@ -44,8 +46,29 @@ impl Input {
 
 /// A pixel's irradiance as the filter takes it: Q12, at most 16.
 pub fn irradiance(feature: &Feature) -> [u16; 3] {
+    scaled(feature, 0)
+}
+
+/// By how many octaves the network sees a frame brighter than it is, so that what is seen in it has a luminance of about
+/// 1 (geometric mean; what is black or infinitely far away does not count). −8 ..= 8.
+pub fn exposure(frame: &[Feature]) -> i32 {
+    let (mut sum, mut count) = (0u64, 0u64);
+    for pixel in frame.iter().filter(|pixel| pixel.depth != DEPTH_NOTHING) {
+        let code = luma_code(pixel.irradiance);
+        sum += u64::from(code);
+        count += u64::from(code > 0);
+    }
+    // Eighths of an octave, 1 for 2^-15; whole octaves, to nearest.
+    match sum.checked_div(count) {
+        Some(mean) => ((15 * 8 + 5 - mean as i32) >> 3).clamp(-8, 8),
+        None => 0,
+    }
+}
+
+/// `exposure` octaves brighter, Q12, at most 16.
+fn scaled(feature: &Feature, exposure: i32) -> [u16; 3] {
     let (mantissas, exponent) = feature.irradiance.to_parts();
-    let shift = exponent + 12;
+    let shift = exponent + 12 + exposure.clamp(-8, 8);
     mantissas.map(|m| {
         // raw: mantissas have 9 bits.
         if shift >= 0 {
@@ -86,10 +109,25 @@ mod tests {
         };
         // log2(1 + 8) = 3.17; a straight line from 8 to 16 says 3.125: 28 of 9 steps each.
         assert_eq!(
-            Input::new(&grey, 4).0,
+            Input::new(&grey, 4, 0).0,
             [28, 28, 28, 32, 32, 32, 32, 63, 32, 20, 18]
         );
         assert_eq!(irradiance(&grey), [4096; 3]);
+        // Darker by three octaves and shown by three more: the same.
+        let dark = Feature {
+            irradiance: Rgb9e5::encode(Radiance::from_bits([1 << 12; 3], -15)),
+            ..grey
+        };
+        assert_eq!(Input::new(&dark, 4, 3), Input::new(&grey, 4, 0));
+        assert_eq!(exposure(&[grey; 5]), 0);
+        assert_eq!(exposure(&[dark, Feature::default(), dark]), 3);
+        let sky = Feature {
+            depth: DEPTH_NOTHING,
+            ..grey
+        };
+        assert_eq!(exposure(&[dark, sky]), 3);
+        assert_eq!(exposure(&[sky, Feature::default()]), 0);
+        assert_eq!(exposure(&[]), 0);
         let most = Feature {
             irradiance: Rgb9e5(u32::MAX),
             albedo: [255; 3],
@@ -98,12 +136,12 @@ mod tests {
         };
         assert_eq!(irradiance(&most), [u16::MAX; 3]);
         assert_eq!(
-            Input::new(&most, u32::MAX).0,
+            Input::new(&most, u32::MAX, 0).0,
             [63, 63, 63, 63, 63, 63, 32, 63, 32, 63, 63]
         );
         assert_eq!(irradiance(&Feature::default()), [0; 3]);
         assert_eq!(
-            Input::new(&Feature::default(), 0).0,
+            Input::new(&Feature::default(), 0, 0).0,
             [0, 0, 0, 0, 0, 0, 32, 32, 63, 0, 0]
         );
     }

@@ -27,7 +27,7 @@ mod neural;
 mod weights;
 
 pub use filter::EXP;
-pub use input::{INPUTS, Input, irradiance};
+pub use input::{INPUTS, Input, exposure, irradiance};
 pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError};
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};

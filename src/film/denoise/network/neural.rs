@@ -1,4 +1,4 @@
-use super::{Input, Network, NetworkError, Scratch, Weights, irradiance};
+use super::{Input, Network, NetworkError, Scratch, Weights, exposure, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Size};
@@ -40,9 +40,12 @@ impl Filter for Neural<'_> {
             *light = irradiance(pixel);
         }
         let samples = self.samples;
+        let exposure = exposure(frame);
         let input = |at: usize| match (frame.get(at), lengths.get(at)) {
-            (Some(pixel), Some(&length)) => Input::new(pixel, samples.saturating_mul(length.into())),
-            _ => Input::new(&Feature::default(), samples),
+            (Some(pixel), Some(&length)) => {
+                Input::new(pixel, samples.saturating_mul(length.into()), exposure)
+            }
+            _ => Input::new(&Feature::default(), samples, exposure),
         };
         scratch.light.fill(Rgb9e5::BLACK);
         let mut rest = scratch.light.iter_mut();
