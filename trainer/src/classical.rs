@@ -1,6 +1,7 @@
 //! What stood for denoising before networks, tuned on the validation scenes: the measure for ours.
 
-use crate::data::Shot;
+use rayon::prelude::*;
+
 use crate::nn::Light;
 use crate::picture::{self, Picture};
 
@@ -92,15 +93,14 @@ fn apply(
         .collect()
 }
 
-/// The guides with the least squared tone-mapped error (in dB, the mean of scenes) over `shots` at `count` samples, one
-/// guide after the other, twice.
-pub fn tune(shots: &[Shot], kind: Kind, count: usize) -> Guides {
-    let pictures: Vec<Picture> = shots.iter().map(|shot| Picture::whole(shot, 0, count)).collect();
+/// The guides with the least squared tone-mapped error (in dB, the mean of scenes) over `pictures`, one guide after the
+/// other, twice; and that error.
+pub fn tune(pictures: &[Picture], kind: Kind) -> (f64, Guides) {
     let error = |guides: &Guides| -> f64 {
         let each = pictures
-            .iter()
+            .par_iter()
             .map(|p| picture::squared(p, &filter(p, kind, guides)).log10());
-        each.sum()
+        each.collect::<Vec<_>>().iter().sum()
     };
     let mut best: Guides = [2.0, 4.0, 4.0, 0.25];
     let mut least = error(&best);
@@ -119,5 +119,5 @@ pub fn tune(shots: &[Shot], kind: Kind, count: usize) -> Guides {
             }
         }
     }
-    best
+    (least, best)
 }

@@ -22,13 +22,12 @@ use crate::scenes::{Split, by_hand};
 /// Samples of a pixel that are kept one by one: any aligned 1, 2, 4, 8 or 16 of them are a picture of that many.
 pub const SAMPLES: usize = 16;
 
-const MAGIC: &[u8; 8] = b"mlxdata2";
+const MAGIC: &[u8; 8] = b"mlxdata3";
 
 /// What one sample says of its pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Radiance over albedo.
-    pub irradiance: [f16; 3],
+    pub radiance: [f16; 3],
     /// 255 is 1.
     pub albedo: [u8; 3],
     /// 127 is 1.
@@ -87,7 +86,7 @@ fn scenes(split: Split, options: &Options) -> Vec<(SceneDesc, u32, bool)> {
     let (families, hand) = split.families();
     let each = match split {
         Split::Train => options.scenes.div_ceil(families.len() as u32),
-        Split::Validation => options.scenes.div_ceil(10),
+        Split::Validation => options.scenes.div_ceil(10 * families.len() as u32),
         Split::Test => options.test_scenes,
     };
     let made = (0..each).flat_map(|n| {
@@ -152,10 +151,17 @@ fn shoot(desc: &SceneDesc, seed: u32, dim: bool, spp: u32) -> Result<Shot> {
     let side = desc.width as usize;
     if dim {
         let (small, _) = trace(&desc, 24, seed ^ 0x5eed, 8, false)?;
-        let logs = small.iter().map(|[r, g, b]| f64::from(r + g + b + 3e-3).ln());
-        let mean = (logs.sum::<f64>() / small.len() as f64).exp() / 3.0;
+        // What is black all over has no exposure.
+        let seen: Vec<f64> = small.iter().map(|[r, g, b]| f64::from(r + g + b)).collect();
+        let most = seen.iter().copied().fold(1e-6, f64::max);
+        let logs: Vec<f64> = seen
+            .iter()
+            .filter(|&&x| x > 1e-4 * most)
+            .map(|x| x.ln())
+            .collect();
+        let mean = (logs.iter().sum::<f64>() / logs.len().max(1) as f64).exp() / 3.0;
         let mut rng = Pcg64Mcg::seed_from_u64(u64::from(seed) + 77);
-        let wanted = 0.12 * 4f64.powf(rng.random_range(0.0..1.0));
+        let wanted = 0.03 * 16f64.powf(rng.random_range(0.0..1.0));
         brighten(&mut desc, wanted / mean);
     }
     // Two sequences: the noisy samples are none of the reference's.
@@ -228,9 +234,8 @@ fn linear(light: Radiance) -> [f32; 3] {
 fn sample(light: Radiance, first: &First) -> Sample {
     let albedo = first.albedo.0.map(|share| f32::from(share.to_bits()) / 32768.0);
     let albedo = albedo.map(|a| a.clamp(1.0 / 32.0, 1.0));
-    let light = linear(light);
     Sample {
-        irradiance: [0, 1, 2].map(|i| f16::from_f32((light[i] / albedo[i]).min(65504.0))),
+        radiance: linear(light).map(|c| f16::from_f32(c.min(65504.0))),
         albedo: albedo.map(|a| (a * 255.0).round() as u8),
         normal: first
             .normal
@@ -279,7 +284,7 @@ impl Shot {
         bytes.extend_from_slice(&(self.side as u32).to_le_bytes());
         bytes.extend_from_slice(&self.reference_spp.to_le_bytes());
         for s in &self.samples {
-            s.irradiance
+            s.radiance
                 .iter()
                 .for_each(|c| bytes.extend_from_slice(&c.to_le_bytes()));
             bytes.extend_from_slice(&s.albedo);
@@ -312,7 +317,7 @@ impl Shot {
         }
         let (samples, reference) = body.split_at(count * SAMPLE_BYTES);
         let samples = samples.chunks_exact(SAMPLE_BYTES).map(|b| Sample {
-            irradiance: [0, 2, 4].map(|i| f16::from_le_bytes([b[i], b[i + 1]])),
+            radiance: [0, 2, 4].map(|i| f16::from_le_bytes([b[i], b[i + 1]])),
             albedo: [b[6], b[7], b[8]],
             normal: [b[9] as i8, b[10] as i8, b[11] as i8],
             depth: b[12],

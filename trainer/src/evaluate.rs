@@ -17,7 +17,7 @@ use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
 use microlux::render::Motion;
 
-use crate::classical::{self, Kind};
+use crate::classical::{self, Guides, Kind};
 use crate::data::{SAMPLES, Shot};
 use crate::export;
 use crate::nn::{self, Light, Mode, Params};
@@ -65,14 +65,20 @@ pub fn run(options: &Options) -> Result<()> {
 
     let mut text = String::new();
     for count in [1, 4] {
-        let tuned = [Kind::ATrous, Kind::Bilateral].map(|kind| classical::tune(&validation, kind, count));
+        let clamped: Vec<Picture> = validation.iter().map(|s| Picture::whole(s, 0, count)).collect();
+        let untouched: Vec<Picture> = validation.iter().map(|s| Picture::untouched(s, count)).collect();
+        // Each with the clamp of fireflies or without, whichever is better for it.
+        let tuned = [Kind::ATrous, Kind::Bilateral].map(|kind| {
+            let [(with, a), (without, b)] = [&clamped, &untouched].map(|p| classical::tune(p, kind));
+            if with <= without { (a, true) } else { (b, false) }
+        });
         let mut methods = vec![
             "noisy",
             "à-trous",
             "joint bilateral",
             "ours, float",
             "ours, integers",
-            "the same after the firefly clamp",
+            "ours, the core",
         ];
         if options.oidn.is_some() {
             methods.extend(["OIDN fast", "OIDN high"]);
@@ -86,7 +92,12 @@ pub fn run(options: &Options) -> Result<()> {
         for shot in &shots {
             bar.set_message(shot.name.clone());
             let scene = Picture::whole(shot, 0, count);
+            let untouched = Picture::untouched(shot, count);
             let noisy = radiance(shot, count);
+            let classical = |kind: Kind, (guides, clamp): &(Guides, bool)| {
+                let scene = if *clamp { &scene } else { &untouched };
+                lit(scene, &classical::filter(scene, kind, guides))
+            };
             let seen = |mode| {
                 let params = params.seen(mode);
                 let trace = nn::extract(&params, scene.input(), mode);
@@ -97,11 +108,11 @@ pub fn run(options: &Options) -> Result<()> {
             };
             let mut results = vec![
                 noisy.clone(),
-                lit(&scene, &classical::filter(&scene, Kind::ATrous, &tuned[0])),
-                lit(&scene, &classical::filter(&scene, Kind::Bilateral, &tuned[1])),
+                classical(Kind::ATrous, &tuned[0]),
+                classical(Kind::Bilateral, &tuned[1]),
                 seen(Mode::Float),
                 seen(Mode::Integer),
-                ours(weights, &scene)?,
+                ours(weights, &untouched)?,
             ];
             if let Some(oidn) = &options.oidn {
                 for quality in ["fast", "high"] {
@@ -159,7 +170,7 @@ fn radiance(shot: &Shot, count: usize) -> Rgb {
             let mut sum = [0.0; 3];
             for s in &samples[..count] {
                 for c in 0..3 {
-                    sum[c] += s.irradiance[c].to_f32() * f32::from(s.albedo[c]) / 255.0 / count as f32;
+                    sum[c] += s.radiance[c].to_f32() / count as f32;
                 }
             }
             sum
@@ -174,9 +185,9 @@ fn lit(scene: &Picture, light: &[Light]) -> Rgb {
         .collect()
 }
 
-/// By the core's denoiser, one frame without history, from features as the film has them.
-fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
-    let features: Vec<Feature> = (0..scene.depth.len())
+/// Features as the film has them.
+fn features(scene: &Picture) -> Vec<Feature> {
+    (0..scene.depth.len())
         .map(|at| {
             let [r, g, b, _] = scene.irradiance[at].map(|c| (c * 65536.0) as u32);
             let share = |a: f32| Share::from_bits((a * 32768.0).round() as u16);
@@ -189,12 +200,16 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
                 id: 0,
             }
         })
-        .collect();
+        .collect()
+}
+
+/// By the core's denoiser, one frame without history.
+fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
     let size = Size {
         width: scene.width as u16,
         height: scene.height as u16,
     };
-    let mut frames = [features, vec![Feature::default(); size.pixels()]];
+    let mut frames = [features(scene), vec![Feature::default(); size.pixels()]];
     let mut lengths = [vec![0; size.pixels()], vec![0; size.pixels()]];
     let mut rows = vec![Rgb9e5::BLACK; 2 * scene.width];
     let [a, b] = &mut frames;
@@ -349,4 +364,61 @@ fn strip(file: &Path, side: usize, pictures: &[Rgb]) -> Result<()> {
         }));
     }
     Ok(strip.save(file)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use microlux::film::denoise::Off;
+    use microlux::film::denoise::network::exposure;
+    use rand::{Rng, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    /// Fireflies are clamped, and exposures judged, as the core does.
+    #[test]
+    fn pictures_are_seen_as_the_core_sees_them() {
+        let (width, height) = (23, 17);
+        let mut rng = Pcg64Mcg::seed_from_u64(4);
+        for octaves in [-5, -1, 2] {
+            let grey = |rng: &mut Pcg64Mcg| {
+                let fly = if rng.random_bool(0.1) {
+                    rng.random_range(0..12)
+                } else {
+                    0
+                };
+                let m = if rng.random_bool(0.5) {
+                    0.0
+                } else {
+                    rng.random_range(256..288) as f32
+                };
+                [m * 2f32.powi(octaves - 8 + fly); 3]
+            };
+            let light: Vec<[f32; 3]> = (0..width * height).map(|_| grey(&mut rng)).collect();
+            let mut scene = Picture {
+                width,
+                height,
+                irradiance: light.iter().map(|l| [l[0], l[1], l[2], 0.0]).collect(),
+                albedo: vec![[1.0; 3]; width * height],
+                normal: vec![[0.0, 0.0, 1.0]; width * height],
+                depth: vec![90.0; width * height],
+                reference: light,
+                samples: 1,
+                exposure: 0,
+            };
+            let by_core = core(&mut Off, &scene).unwrap();
+            scene.clamp();
+            let mut clamped = 0;
+            for (at, (a, b)) in by_core.iter().zip(&scene.irradiance).enumerate() {
+                assert!(
+                    (a[0].min(16.0) - b[0]).abs() < 0.01 * b[0].max(1e-3),
+                    "{at}: {a:?} {b:?}"
+                );
+                clamped += usize::from(b[0] != scene.reference[at][0].min(16.0));
+            }
+            assert!(clamped > 8, "{clamped}");
+            let (ours, cores) = (scene.exposed(), exposure(&features(&scene)));
+            assert!(ours == cores && ours != 0, "{ours} {cores}");
+        }
+    }
 }

@@ -785,12 +785,20 @@ fn around(h: &Heads, x: usize, y: usize, reach: usize, mut of: impl FnMut(usize)
     }
 }
 
-/// From the gradient of the finest size's light to those of all heads.
-pub fn filter_back(heads: &[Heads], f: &Filtered, d: Vec<Light>, mode: Mode) -> Vec<Vec<[f32; HEAD]>> {
+/// From the gradients of each size's `out` to those of all heads.
+pub fn filter_back(
+    heads: &[Heads],
+    f: &Filtered,
+    d_out: Vec<Vec<Light>>,
+    mode: Mode,
+) -> Vec<Vec<[f32; HEAD]>> {
     let mut grads: Vec<Vec<[f32; HEAD]>> = heads.iter().map(|h| vec![[0.0; HEAD]; h.heads.len()]).collect();
     let mut of_light: Vec<Vec<Light>> = heads.iter().map(|h| vec![[0.0; 4]; h.heads.len()]).collect();
-    let mut d = d;
-    for level in 0..LEVELS {
+    let mut from_finer: Vec<Light> = Vec::new();
+    for (level, mut d) in d_out.into_iter().enumerate() {
+        for (d, more) in d.iter_mut().zip(&from_finer) {
+            (0..3).for_each(|c| d[c] += more[c]);
+        }
         let h = &heads[level];
         let mut of_coarse = match heads.get(level + 1) {
             Some(coarse) => vec![[0.0; 4]; coarse.heads.len()],
@@ -857,7 +865,7 @@ pub fn filter_back(heads: &[Heads], f: &Filtered, d: Vec<Light>, mode: Mode) -> 
                 grads[level][at] = here_gradient;
             }
         }
-        d = of_coarse;
+        from_finer = of_coarse;
     }
     // The pyramid, from the coarsest on.
     for level in (1..LEVELS).rev() {

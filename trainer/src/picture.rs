@@ -1,5 +1,6 @@
 //! A noisy picture of a few samples, as the network and the filter see it.
 
+use microlux::film::denoise::FIREFLY;
 use microlux::film::denoise::network::INPUTS;
 use rand::Rng;
 use rand::seq::SliceRandom;
@@ -13,7 +14,7 @@ use crate::nn::{Light, Planes};
 pub struct Picture {
     pub width: usize,
     pub height: usize,
-    /// Up to 16.
+    /// Up to 16 once fireflies are clamped.
     pub irradiance: Vec<Light>,
     pub albedo: Vec<[f32; 3]>,
     pub normal: Vec<[f32; 3]>,
@@ -21,14 +22,25 @@ pub struct Picture {
     pub depth: Vec<f32>,
     pub reference: Vec<[f32; 3]>,
     pub samples: u32,
+    /// Octaves by which the network sees the irradiance brighter: `microlux::film::denoise::network::exposure`.
+    pub exposure: i32,
 }
 
 /// The largest irradiance: 16 less one step of 2^-12.
 const MOST: f32 = 65535.0 / 4096.0;
 
 impl Picture {
-    /// The samples `from..from + count` of the pixels from (`left`, `top`) on, `side` each way.
-    pub fn cut(shot: &Shot, from: usize, count: usize, [left, top]: [usize; 2], side: usize) -> Picture {
+    /// The samples `from..from + count` of the pixels from (`left`, `top`) on, `side` each way, as the core's filters get
+    /// them: after the clamp of fireflies.
+    pub fn cut(shot: &Shot, from: usize, count: usize, place: [usize; 2], side: usize) -> Picture {
+        let mut picture = Picture::rendered(shot, from, count, place, side);
+        picture.clamp();
+        picture.exposure = picture.exposed();
+        picture
+    }
+
+    /// As rendered.
+    fn rendered(shot: &Shot, from: usize, count: usize, [left, top]: [usize; 2], side: usize) -> Picture {
         let mut picture = Picture {
             width: side,
             height: side,
@@ -38,6 +50,7 @@ impl Picture {
             depth: Vec::with_capacity(side * side),
             reference: Vec::with_capacity(side * side),
             samples: count as u32,
+            exposure: 0,
         };
         for y in top..top + side {
             for x in left..left + side {
@@ -47,14 +60,17 @@ impl Picture {
                 let (mut light, mut albedo, mut normal, mut depth) = ([0.0; 4], [0.0; 3], [0.0; 3], 0.0);
                 for s in samples {
                     for c in 0..3 {
-                        light[c] += s.irradiance[c].to_f32() * share;
+                        light[c] += s.radiance[c].to_f32() * share;
                         albedo[c] += f32::from(s.albedo[c]) / 255.0 * share;
                         normal[c] += f32::from(s.normal[c]) / 127.0 * share;
                     }
                     depth += f32::from(s.depth) * share;
                 }
                 let length = normal.iter().map(|c| c * c).sum::<f32>().sqrt().max(1e-3);
-                picture.irradiance.push(light.map(|c| c.min(MOST)));
+                for (light, albedo) in light.iter_mut().zip(albedo) {
+                    *light /= albedo.max(1.0 / 255.0);
+                }
+                picture.irradiance.push(light);
                 picture.albedo.push(albedo);
                 picture.normal.push(normal.map(|c| c / length));
                 picture.depth.push(depth);
@@ -64,8 +80,57 @@ impl Picture {
         picture
     }
 
+    /// The core's clamp of fireflies: darker by whole octaves until the luminance is at most that of the second brightest
+    /// of the 3 × 3, times 2^`FIREFLY`; then no more than there may be.
+    pub fn clamp(&mut self) {
+        let luma: Vec<f32> = self.irradiance.iter().map(luminance).collect();
+        let (width, height) = (self.width, self.height);
+        for (at, light) in self.irradiance.iter_mut().enumerate() {
+            let (x, y) = (at % width, at / width);
+            let (mut first, mut second) = (0f32, 0f32);
+            for row in y.saturating_sub(1)..=(y + 1).min(height - 1) {
+                for column in x.saturating_sub(1)..=(x + 1).min(width - 1) {
+                    let value = luma[row * width + column];
+                    second = second.max(value.min(first));
+                    first = first.max(value);
+                }
+            }
+            let limit = second * (1 << FIREFLY) as f32;
+            let over = if limit > 0.0 { luma[at] / limit } else { 0.0 };
+            let by = if over > 1.0 {
+                (-over.log2().ceil()).exp2()
+            } else {
+                1.0
+            };
+            let by = if limit > 0.0 { by } else { 0.0 };
+            *light = light.map(|c| (c * by).min(MOST));
+        }
+    }
+
+    /// Octaves, as the core judges them.
+    pub fn exposed(&self) -> i32 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (light, depth) in self.irradiance.iter().zip(&self.depth) {
+            let luma = luminance(light);
+            if *depth < 254.5 && luma > 0.0 {
+                sum += luma.log2().max(-15.0);
+                count += 1.0;
+            }
+        }
+        if count > 0.0 {
+            (-sum / count).round().clamp(-8.0, 8.0) as i32
+        } else {
+            0
+        }
+    }
+
     pub fn whole(shot: &Shot, from: usize, count: usize) -> Picture {
         Picture::cut(shot, from, count, [0, 0], shot.side)
+    }
+
+    /// With its fireflies, of the first samples.
+    pub fn untouched(shot: &Shot, count: usize) -> Picture {
+        Picture::rendered(shot, 0, count, [0, 0], shot.side)
     }
 
     /// Mirrored and turned; colours in another order; brighter or darker; another frame for normals and for depth.
@@ -86,6 +151,9 @@ impl Picture {
             let [a, b, c] = order.map(|i| (light[i] * brighter).min(MOST));
             *light = [a, b, c, 0.0];
         }
+        // As if it had been judged an octave off, now and then, but for what `brighter` makes of it.
+        self.exposure =
+            (self.exposure - brighter.log2().round() as i32 + rng.random_range(-1..=1)).clamp(-8, 8);
         for albedo in &mut self.albedo {
             *albedo = order.map(|i| albedo[i]);
         }
@@ -132,7 +200,8 @@ impl Picture {
             let mut put =
                 |channel: usize, value: f32| input.data[channel * size + at] = value.clamp(0.0, 63.0);
             for c in 0..3 {
-                put(c, (logarithm(1.0 + 8.0 * self.irradiance[at][c]) * 9.0).floor());
+                let seen = (self.irradiance[at][c] * (self.exposure as f32).exp2()).min(MOST);
+                put(c, (logarithm(1.0 + 8.0 * seen) * 9.0).floor());
                 put(3 + c, (self.albedo[at][c].sqrt() * 255.0).round().div_euclid(4.0));
                 put(6 + c, (self.normal[at][c] * 31.5 + 32.0).floor());
             }
@@ -141,6 +210,10 @@ impl Picture {
         }
         input
     }
+}
+
+fn luminance(light: &Light) -> f32 {
+    (54.0 * light[0] + 183.0 * light[1] + 19.0 * light[2]) / 256.0
 }
 
 /// log2, a straight line between powers of two.
@@ -159,10 +232,48 @@ fn tone_slope(x: f32) -> f32 {
     (x / (1.0 + x) + 0.01).powf(1.0 / 2.2 - 1.0) / 2.2 / ((1.0 + x) * (1.0 + x))
 }
 
-/// How far `out` (irradiance) is from the reference, and the gradient: tone-mapped |d| + 2 d², and a quarter of that of
-/// differences between neighbours.
-pub fn loss(picture: &Picture, out: &[Light]) -> (f32, Vec<Light>) {
-    let (width, size) = (picture.width, picture.width * picture.height);
+/// What the coarser sizes' light counts beside the finest: without it they learn nothing once the finer ones do not ask
+/// for them.
+const COARSE: f32 = 0.15;
+
+/// How far light of each size is from the reference, and the gradients: those of [`near`] for the picture itself, and
+/// less for what is coarser, against means.
+pub fn loss(picture: &Picture, out: &[Vec<Light>]) -> (f32, Vec<Vec<Light>>) {
+    let (mut width, mut height) = (picture.width, picture.height);
+    let (mut albedo, mut reference) = (picture.albedo.clone(), picture.reference.clone());
+    let (mut sum, mut gradients) = (0.0, Vec::new());
+    for (level, out) in out.iter().enumerate() {
+        if level > 0 {
+            albedo = halved(&albedo, width, height);
+            reference = halved(&reference, width, height);
+            (width, height) = (width.div_ceil(2), height.div_ceil(2));
+        }
+        let (loss, mut gradient) = near(width, &albedo, &reference, out);
+        let counts = if level > 0 { COARSE } else { 1.0 };
+        gradient.iter_mut().for_each(|g| *g = g.map(|c| c * counts));
+        sum += counts * loss;
+        gradients.push(gradient);
+    }
+    (sum, gradients)
+}
+
+/// Means of each 2 × 2; at an odd edge some count twice.
+fn halved(fine: &[[f32; 3]], width: usize, height: usize) -> Vec<[f32; 3]> {
+    let mut coarse = Vec::with_capacity(fine.len() / 4 + width + height);
+    for y in (0..height).step_by(2) {
+        for x in (0..width).step_by(2) {
+            let (right, below) = ((x + 1).min(width - 1), (y + 1).min(height - 1));
+            let four = [(x, y), (right, y), (x, below), (right, below)].map(|(x, y)| fine[y * width + x]);
+            coarse.push([0, 1, 2].map(|c| four.iter().map(|p| p[c]).sum::<f32>() / 4.0));
+        }
+    }
+    coarse
+}
+
+/// How far `out` (irradiance) times `albedo` is from the reference, and the gradient: tone-mapped |d| + 8 d², and a quarter
+/// of |d| of differences between neighbours.
+fn near(width: usize, albedo: &[[f32; 3]], reference: &[[f32; 3]], out: &[Light]) -> (f32, Vec<Light>) {
+    let size = out.len();
     let share = 1.0 / (3 * size) as f32;
     let mut errors = vec![[0.0f32; 3]; size];
     let mut slopes = vec![[0.0f32; 3]; size];
@@ -170,12 +281,12 @@ pub fn loss(picture: &Picture, out: &[Light]) -> (f32, Vec<Light>) {
     let mut sum = 0.0;
     for at in 0..size {
         for c in 0..3 {
-            let x = (out[at][c] * picture.albedo[at][c]).max(0.0);
-            let e = tone(x) - tone(picture.reference[at][c]);
+            let x = (out[at][c] * albedo[at][c]).max(0.0);
+            let e = tone(x) - tone(reference[at][c]);
             errors[at][c] = e;
-            slopes[at][c] = tone_slope(x) * picture.albedo[at][c];
-            sum += e.abs() + 2.0 * e * e;
-            gradient[at][c] = e.signum() + 4.0 * e;
+            slopes[at][c] = tone_slope(x) * albedo[at][c];
+            sum += e.abs() + 8.0 * e * e;
+            gradient[at][c] = e.signum() + 16.0 * e;
         }
     }
     for at in 0..size {

@@ -33,8 +33,20 @@ impl Split {
     /// Families made by program, then scenes made by hand (`host-sim scenes`).
     pub fn families(self) -> (&'static [Family], &'static [&'static str]) {
         match self {
-            Split::Train => (&[Family::Room, Family::Open, Family::Solids, Family::Studio], &[]),
-            Split::Validation => (&[Family::Columns], &[]),
+            Split::Train => (
+                &[
+                    Family::Room,
+                    Family::Open,
+                    Family::Solids,
+                    Family::Studio,
+                    Family::Alcove,
+                    Family::Void,
+                    Family::Park,
+                    Family::Night,
+                ],
+                &[],
+            ),
+            Split::Validation => (&[Family::Columns, Family::Stairs], &[]),
             Split::Test => (
                 &[Family::Gallery, Family::Terrain],
                 &[
@@ -68,6 +80,16 @@ pub enum Family {
     Gallery,
     /// Hills under a low sun.
     Terrain,
+    /// A room of plain, strong colours without its front wall, seen from outside, where all is black.
+    Alcove,
+    /// Things on a plate in the black, under a lamp or a point of light.
+    Void,
+    /// Things on unbounded ground in an environment map with windows of light in it.
+    Park,
+    /// Unbounded planes lit by dim balls that are seen, glass among them.
+    Night,
+    /// Steps in the black, a lamp above them.
+    Stairs,
 }
 
 impl Family {
@@ -80,6 +102,11 @@ impl Family {
             Family::Columns => "columns",
             Family::Gallery => "gallery",
             Family::Terrain => "terrain",
+            Family::Alcove => "alcove",
+            Family::Void => "void",
+            Family::Park => "park",
+            Family::Night => "night",
+            Family::Stairs => "stairs",
         }
     }
 
@@ -95,6 +122,11 @@ impl Family {
             Family::Columns => stage.columns(),
             Family::Gallery => stage.gallery(),
             Family::Terrain => stage.terrain(),
+            Family::Alcove => stage.alcove(),
+            Family::Void => stage.void(),
+            Family::Park => stage.park(),
+            Family::Night => stage.night(),
+            Family::Stairs => stage.stairs(),
         }
         stage.desc.name = format!("{}-{number}", self.name());
         stage.desc.width = side;
@@ -653,6 +685,174 @@ impl Stage {
         self.look(
             [(-0.8, 0.8), (1.2, 1.7), (2.3, 3.0)],
             [(-0.3, 0.3), (1.0, 1.4), (-2.0, -1.0)],
+        );
+    }
+
+    /// One plain wall.
+    fn wall(&mut self, material: usize, center: Vec3, u: Vec3, v: Vec3) {
+        self.shape(material, GeometryDesc::Rectangle { center, u, v });
+    }
+
+    fn alcove(&mut self) {
+        let (w, high, d) = (self.num(0.9, 2.2), self.num(1.6, 2.6), self.num(0.8, 2.0));
+        let mid = high / 2.0;
+        let plain = self.matt(0.5, 0.9);
+        let any = |stage: &mut Stage| {
+            if stage.chance(0.4) {
+                plain
+            } else {
+                stage.matt(0.15, 0.9)
+            }
+        };
+        let [floor, ceiling, back, left, right] = [(); 5].map(|()| any(self));
+        self.wall(floor, [0.0; 3], [0.0, 0.0, d], [w, 0.0, 0.0]);
+        self.wall(ceiling, [0.0, high, 0.0], [w, 0.0, 0.0], [0.0, 0.0, d]);
+        self.wall(back, [0.0, mid, -d], [w, 0.0, 0.0], [0.0, mid, 0.0]);
+        self.wall(left, [-w, mid, 0.0], [0.0, mid, 0.0], [0.0, 0.0, d]);
+        self.wall(right, [w, mid, 0.0], [0.0, 0.0, d], [0.0, mid, 0.0]);
+        self.things(2..6, [w * 0.6, d * 0.6], 0.25);
+        for _ in 0..self.rng.random_range(1..3u32) {
+            let (x, z, size) = (
+                self.num(-0.5, 0.5) * w,
+                self.num(-0.5, 0.5) * d,
+                self.num(0.06, 0.4),
+            );
+            self.ceiling_lamp(x, high - 0.02, z, size, 1.0);
+        }
+        let far = self.num(1.2, 3.0) * w + d;
+        self.look(
+            [(-0.8, 0.8), (0.4 * high, 0.8 * high), (far, far + 0.5)],
+            [(-0.3, 0.3), (0.4 * high, 0.6 * high), (-0.4, 0.0)],
+        );
+    }
+
+    fn void(&mut self) {
+        let half = self.num(1.5, 6.0);
+        self.panel([0.0; 3], [half, 0.0, 0.0], [0.0, 0.0, -half], 0.3);
+        let bumpy = self.num(0.2, 0.9);
+        self.things(1..6, [1.3, 1.2], bumpy);
+        if self.chance(0.6) {
+            let (x, z) = (self.num(-1.5, 1.5), self.num(-1.0, 1.5));
+            let (size, high) = (self.num(0.1, 1.0), self.num(2.4, 4.0));
+            self.ceiling_lamp(x, high, z, size, 3.0);
+        } else {
+            for _ in 0..self.rng.random_range(1..4u32) {
+                let position = [self.num(-3.0, 3.0), self.num(1.5, 4.0), self.num(-1.0, 3.0)];
+                let power = self.num(1.0, 6.0);
+                let intensity = self.light(power);
+                self.desc.lights.push(LightDesc::Point { position, intensity });
+            }
+        }
+        self.look(
+            [(-2.0, 2.0), (0.6, 2.8), (3.0, 5.0)],
+            [(-0.4, 0.4), (0.3, 1.0), (-0.5, 0.3)],
+        );
+    }
+
+    fn park(&mut self) {
+        let ground = self.matt(0.2, 0.7);
+        let plane = GeometryDesc::Plane {
+            point: [0.0; 3],
+            normal: [0.0, 1.0, 0.0],
+        };
+        self.shape(ground, plane);
+        let bumpy = self.num(0.0, 0.5);
+        self.things(3..10, [2.0, 1.8], bumpy);
+        let (width, height) = (24u32, 12u32);
+        let sky = [
+            self.colour(0.1, 0.8),
+            self.colour(0.1, 0.8),
+            self.colour(0.05, 0.3),
+        ];
+        let mut pixels: Vec<Vec3> = (0..height)
+            .flat_map(|row| (0..width).map(move |_| row))
+            .map(|row| {
+                sky[if row < 3 {
+                    0
+                } else if row < 7 {
+                    1
+                } else {
+                    2
+                }]
+            })
+            .collect();
+        for _ in 0..self.rng.random_range(1..4u32) {
+            let (left, top) = (self.rng.random_range(0..width), self.rng.random_range(1..5u32));
+            let (wide, tall) = (self.rng.random_range(1..5u32), self.rng.random_range(1..3u32));
+            let power = 2f64.powf(self.num(0.5, 5.5));
+            let light = self.light(power);
+            for row in top..top + tall {
+                (left..left + wide)
+                    .for_each(|column| pixels[(row * width + column % width) as usize] = light);
+            }
+        }
+        self.desc.lights.push(LightDesc::EnvMap {
+            width,
+            height,
+            pixels,
+            to_world: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        });
+        self.look(
+            [(-2.0, 2.0), (0.7, 2.4), (3.2, 5.0)],
+            [(-0.6, 0.6), (0.2, 0.8), (-0.5, 0.5)],
+        );
+    }
+
+    fn night(&mut self) {
+        let (floor, back) = (self.matt(0.2, 0.8), self.matt(0.2, 0.8));
+        let far = self.num(-4.0, -1.5);
+        for (material, point, normal) in [
+            (floor, [0.0; 3], [0.0, 1.0, 0.0]),
+            (back, [0.0, 0.0, far], [0.0, 0.0, 1.0]),
+        ] {
+            self.shape(material, GeometryDesc::Plane { point, normal });
+        }
+        self.things(2..6, [1.8, 1.4], 0.2);
+        for _ in 0..self.rng.random_range(1..4u32) {
+            let radius = self.num(0.1, 0.6);
+            let center = [
+                self.num(-2.2, 2.2),
+                self.num(radius, 3.0),
+                self.num(far + 0.8, 2.2),
+            ];
+            let mut radiance = self.light(0.6 / radius);
+            if self.chance(0.4) {
+                let tint = self.colour(0.3, 0.95);
+                radiance.iter_mut().zip(tint).for_each(|(c, t)| *c *= t);
+            }
+            self.lamp(radiance, GeometryDesc::Sphere { center, radius });
+        }
+        self.look(
+            [(-1.2, 1.2), (0.6, 2.0), (3.2, 4.8)],
+            [(-0.5, 0.5), (0.4, 1.0), (-1.0, 0.0)],
+        );
+    }
+
+    fn stairs(&mut self) {
+        let turn = self.num(-0.8, 0.8);
+        for step in 0..5 {
+            let material = if self.chance(0.8) {
+                self.matt(0.2, 0.9)
+            } else {
+                self.any_material()
+            };
+            let (n, deep) = (f64::from(step), self.num(0.25, 0.35));
+            self.block(
+                material,
+                [0.0, 0.0, 1.2 - 0.6 * n],
+                [1.4, 0.12 + 0.12 * n, deep],
+                turn * 0.1,
+            );
+        }
+        let shown = self.any_material();
+        self.ball(shown, [-0.4, 0.95, -0.6], 0.35);
+        let shown = self.matt(0.2, 0.9);
+        self.bumpy(shown, [0.5, 0.7, 0.6], 0.35);
+        let (x, size) = (self.num(-1.5, 1.5), self.num(0.15, 0.7));
+        self.ceiling_lamp(x, 3.4, 0.9, size, 2.0);
+        self.look(
+            [(-2.5, 2.5), (1.4, 2.6), (3.2, 4.4)],
+            [(-0.2, 0.2), (0.4, 0.8), (-0.4, 0.2)],
         );
     }
 

@@ -31,6 +31,9 @@ pub struct Options {
     /// Steps in all; the learning rate falls over them
     #[arg(long, default_value_t = 20_000)]
     steps: u32,
+    /// Stop after this step, with the learning rate of `--steps`
+    #[arg(long)]
+    until: Option<u32>,
     /// Crops a step
     #[arg(long, default_value_t = 4)]
     batch: u32,
@@ -198,7 +201,7 @@ pub fn bound(params: &mut Params) {
 fn learn(seen: &Params, picture: &Picture, mode: Mode, gradient: &mut Params) -> f32 {
     let trace = nn::extract(seen, picture.input(), mode);
     let filtered = nn::filter(&picture.irradiance, &trace.heads, mode);
-    let (loss, d) = picture::loss(picture, &filtered.out[0]);
+    let (loss, d) = picture::loss(picture, &filtered.out);
     let heads = nn::filter_back(&trace.heads, &filtered, d, mode);
     nn::extract_back(seen, &trace, &heads, gradient);
     loss
@@ -271,12 +274,18 @@ fn train(options: &Options) -> Result<()> {
             "# step  rate  loss  dB at 1 spp, 4 spp (as rounded at that step)  seconds"
         )?;
     }
-    let bar = ProgressBar::new(u64::from(options.steps)).with_style(ProgressStyle::with_template(
+    let last = options
+        .until
+        .map_or(options.steps, |until| until.min(options.steps));
+    let bar = ProgressBar::new(u64::from(last)).with_style(ProgressStyle::with_template(
         "{wide_bar} {pos}/{len} {per_sec} {eta} {msg}",
     )?);
     let started = Instant::now();
     let mut losses = Vec::new();
-    while state.step < options.steps {
+    let last = options
+        .until
+        .map_or(options.steps, |until| until.min(options.steps));
+    while state.step < last {
         let step = state.step;
         let share = step as f32 / options.steps as f32;
         let mode = if share < options.rounded_from {
@@ -314,7 +323,7 @@ fn train(options: &Options) -> Result<()> {
         state.update(&gradient, rate);
         losses.push(loss);
         bar.set_position(u64::from(state.step));
-        if state.step % options.every == 0 || state.step == options.steps {
+        if state.step % options.every == 0 || state.step == last {
             let [one, four] = quality(&validation, Some((&state.params, mode)));
             let mean = losses.iter().sum::<f32>() / losses.len() as f32;
             let seconds = started.elapsed().as_secs();
@@ -359,6 +368,7 @@ mod tests {
                 .collect(),
             depth: vec![80.0; size],
             samples: 2,
+            exposure: 0,
         }
     }
 
