@@ -253,6 +253,7 @@ fn compare_tells_and_writes_the_numbers() {
     assert!(json["primary_rays"].as_u64() >= Some(256), "one a pixel at least");
     let number = |key: &str| json[key].as_f64().unwrap_or_else(|| panic!("{key} is no number"));
     assert!(number("bias").abs() < 0.5 && number("rmse") > 0.0 && number("flip") < 0.5);
+    assert!((0.0..1.0).contains(&number("ssim")));
     assert!(number("psnr_db") > 5.0 && number("hit_miss_disagreement") <= 0.01);
     assert!(number("hit_point_error_p99") > 0.0 && number("hit_point_error_p9999") <= 1e-2);
     assert!(number("fixed_rays_per_second") > 0.0 && number("reference_rays_per_second") > 0.0);

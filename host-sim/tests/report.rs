@@ -108,7 +108,15 @@ fn a_page_of_its_own_with_the_numbers_of_compare() {
         compare.args(size).args(choice).assert().success();
         let one = json(&folder.path().join("one.json"));
         let cell = named(&integrator(scene, name)["samplers"], "sampler", sampler);
-        for key in ["bias", "rmse", "psnr_db", "flip", "block_p95", "block_max"] {
+        for key in [
+            "bias",
+            "rmse",
+            "psnr_db",
+            "ssim",
+            "flip",
+            "block_p95",
+            "block_max",
+        ] {
             assert!(
                 one[key].is_number() && cell[key] == one[key],
                 "{key}: {} {}",

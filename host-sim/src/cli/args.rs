@@ -182,6 +182,7 @@ const COMPARE_EXAMPLES: &str = "\
 bias      mean of the picture over the reference's, less 1 (light above 8 counts as 8)
 rmse      root of the mean squared difference of linear light (capped as above)
 psnr      of the sRGB signals clipped to 0..1, in dB (200: equal)
+ssim      structural similarity of their luma: 1 equal (windows of 11x11)
 flip      mean FLIP of the same signals: 0 equal, 1 as different as can be (67 pixels a degree)
 block p95 95th percentile of the relative error of 8x8 blocks
 

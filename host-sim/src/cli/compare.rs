@@ -226,7 +226,7 @@ impl Comparison {
             ]);
 
         let mut errors = Table::default();
-        errors.row(["", "bias", "rmse", "psnr", "flip", "block p95"]);
+        errors.row(["", "bias", "rmse", "psnr", "ssim", "flip", "block p95"]);
         errors.row(metrics_cells("fixed against reference", &self.between));
         if let Some(noisy) = &self.noisy {
             errors.row(metrics_cells("not denoised", noisy));
@@ -287,12 +287,13 @@ fn insert_metrics(map: &mut Map<String, Value>, prefix: &str, metrics: &Metrics)
     );
 }
 
-fn metrics_cells(label: &str, metrics: &Metrics) -> [String; 6] {
+fn metrics_cells(label: &str, metrics: &Metrics) -> [String; 7] {
     [
         label.to_string(),
         format!("{:+.2} %", 100.0 * metrics.bias),
         format!("{:.4}", metrics.rmse),
         format!("{:.1} dB", metrics.psnr_db),
+        format!("{:.4}", metrics.ssim),
         format!("{:.4}", metrics.flip),
         format!("{:.2} %", 100.0 * metrics.block_p95),
     ]
@@ -309,6 +310,7 @@ mod tests {
             bias: -0.0012,
             rmse: 0.034,
             psnr_db: 31.46,
+            ssim: 0.9512,
             flip: 0.0213,
             block_p95: 0.0441,
             block_max: 0.2,
@@ -365,8 +367,8 @@ rays             12,345,678  49,000,000
 seconds                2.00       40.00
 rays/s               6.17 M      1.23 M
 
-                            bias    rmse     psnr    flip  block p95
-fixed against reference  -0.12 %  0.0340  31.5 dB  0.0213     4.41 %
+                            bias    rmse     psnr    ssim    flip  block p95
+fixed against reference  -0.12 %  0.0340  31.5 dB  0.9512  0.0213     4.41 %
 
 hit point error, share of the extent    rays     p50     p99   p99.9  p99.99     max
 where both hit                        76,000  1.0e-6  3.0e-6  4.0e-6  5.0e-6  6.0e-3
@@ -380,7 +382,7 @@ primary rays that hit on one side alone: 0.0026 % of 76,800
     fn the_json_is_flat_and_has_the_promised_keys() {
         let json = comparison().json();
         assert_eq!(json["scene"], "spheres");
-        let promised = "width height spp bias rmse psnr_db flip hit_miss_disagreement hit_point_error_p99 \
+        let promised = "width height spp bias rmse psnr_db ssim flip hit_miss_disagreement hit_point_error_p99 \
                         hit_point_error_p9999 fixed_rays_per_second reference_rays_per_second";
         for key in promised.split_whitespace() {
             assert!(json[key].is_number(), "{key}");
