@@ -1,4 +1,4 @@
-//! Lays the program out for the machine that `MACHINE` names.
+//! Lays the program out for the machine that `MACHINE` names; `MICROLUX_ROOM` names the file that `rays` looks at.
 
 use std::{env, fs, path::PathBuf};
 
@@ -7,6 +7,16 @@ fn main() {
     let layout = format!("memory/{machine}.x");
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
     fs::copy(&layout, out.join("memory.x")).unwrap_or_else(|e| panic!("{layout}: {e}"));
+
+    println!("cargo:rerun-if-env-changed=MICROLUX_ROOM");
+    let room = env::var("MICROLUX_ROOM").unwrap_or_default();
+    let bytes = if room.is_empty() {
+        Vec::new()
+    } else {
+        println!("cargo:rerun-if-changed={room}");
+        fs::read(&room).unwrap_or_else(|e| panic!("{room}: {e}"))
+    };
+    fs::write(out.join("room.bin"), bytes).unwrap_or_else(|e| panic!("room.bin: {e}"));
 
     println!("cargo:rustc-link-search={}", out.display());
     println!("cargo:rustc-env=MACHINE={machine}");

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::{bench_seed, growth, peers, profile, raystones, shell};
+use crate::{bench_seed, growth, peers, profile, rays, raystones, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -42,10 +42,11 @@ const RECORD: &str = "docs/performance.md";
 const BESIDE: &str = "## Beside the program of the paper's author";
 const TRIED: &str = "## Tried";
 /// Sections that others write, in this order, and the one that is written by hand.
-const KEPT: [&str; 5] = [
+const KEPT: [&str; 6] = [
     peers::TITLE,
     raystones::TITLE,
     profile::TITLE,
+    rays::TITLE,
     growth::TITLE,
     TRIED,
 ];

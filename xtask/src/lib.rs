@@ -19,6 +19,7 @@ pub mod no_float;
 pub mod peers;
 pub mod picture;
 pub mod profile;
+pub mod rays;
 pub mod raystones;
 pub mod sampling;
 pub mod setup;

@@ -9,13 +9,16 @@ use serde_json::Value;
 
 use crate::accuracy::Header;
 use crate::setup::Part;
-use crate::{bench_host, device, shell};
+use crate::{bench_host, device, rays, shell};
 
 #[derive(Args)]
 pub struct Options {
     /// File for the rows: core, scene, pixels, rays, crc, stages, helpers, work
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
+    /// OBJ file whose primary rays are counted beside those of a torus knot
+    #[arg(long, value_name = "FILE")]
+    mesh: Option<PathBuf>,
 }
 
 pub(crate) const TITLE: &str = "## Where the instructions go";
@@ -44,7 +47,9 @@ pub fn run(options: &Options) -> Result<()> {
     let rows: Value = serde_json::from_str(&std::fs::read_to_string(&file)?)?;
     let section = text(&Header::now(0)?, rows.as_array().context("no rows")?)?;
     println!("{section}");
-    bench_host::put(TITLE, &section)
+    bench_host::put(TITLE, &section)?;
+    let mesh = options.mesh.as_deref().map(device::whole).transpose()?;
+    rays::run(mesh.as_deref())
 }
 
 fn text(header: &Header, rows: &[Value]) -> Result<String> {

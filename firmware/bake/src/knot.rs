@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use crate::Baked;
+use crate::room::Mesh;
 
 /// Steps along the knot and around its tube.
 const ALONG: usize = 192;
@@ -11,10 +12,16 @@ const TUBE: f64 = 0.14;
 
 /// A closed tube along the torus knot (2, 3), 3,072 triangles that face outwards.
 pub fn knot() -> Result<Baked, String> {
+    let (points, faces) = tube(ALONG, AROUND);
+    Baked::new(&points, &faces)
+}
+
+/// The same in so many steps.
+pub(crate) fn tube(steps: usize, around: usize) -> Mesh {
     let mut points = Vec::new();
     let mut faces = Vec::new();
-    for i in 0..ALONG {
-        let t = TAU * i as f64 / ALONG as f64;
+    for i in 0..steps {
+        let t = TAU * i as f64 / steps as f64;
         let (here, core) = (curve(t, TORUS.1), curve(t, 0.0));
         let along = unit(minus(curve(t + 1e-4, TORUS.1), curve(t - 1e-4, TORUS.1)));
         // Away from the torus' core, so that the cross-section fits itself after one round.
@@ -22,15 +29,15 @@ pub fn knot() -> Result<Baked, String> {
         let lean = dot(out, along);
         let side = unit([0, 1, 2].map(|a| out[a] - lean * along[a]));
         let up = cross(along, side);
-        for j in 0..AROUND {
-            let (sin, cos) = (TAU * j as f64 / AROUND as f64).sin_cos();
+        for j in 0..around {
+            let (sin, cos) = (TAU * j as f64 / around as f64).sin_cos();
             points.push([0, 1, 2].map(|a| here[a] + TUBE * (side[a] * cos + up[a] * sin)));
-            let at = |ahead: usize, up: usize| (i + ahead) % ALONG * AROUND + (j + up) % AROUND;
+            let at = |ahead: usize, up: usize| (i + ahead) % steps * around + (j + up) % around;
             faces.push([at(0, 0), at(0, 1), at(1, 1)]);
             faces.push([at(0, 0), at(1, 1), at(1, 0)]);
         }
     }
-    Baked::new(&points, &faces)
+    (points, faces)
 }
 
 /// Twice about the z axis while the point circles the core three times, at a distance of `minor` from it.

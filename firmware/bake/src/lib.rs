@@ -5,6 +5,7 @@
 mod knot;
 mod obj;
 mod pedestal;
+mod room;
 
 use microlux::bvh::{Node, max_nodes};
 use microlux::geom::{Point, Unit};
@@ -18,12 +19,15 @@ pub use microlux_bake::Aligned;
 pub use knot::knot;
 pub use obj::obj;
 use pedestal::pedestal;
+pub use room::Room;
 
 /// A mesh in the cube, and as it lies in flash.
 #[derive(Clone, Debug)]
 pub struct Baked {
     pub vertices: Vec<[u16; 3]>,
     pub triangles: Vec<[u16; 3]>,
+    /// The tree over the triangles as they are indexed.
+    pub nodes: Vec<Node>,
     pub packed: Packed,
 }
 
@@ -79,6 +83,7 @@ impl Baked {
         Ok(Baked {
             vertices,
             triangles,
+            nodes,
             packed,
         })
     }

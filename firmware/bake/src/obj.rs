@@ -1,7 +1,13 @@
 use crate::Baked;
+use crate::room::Mesh;
 
 /// The triangles of a Wavefront OBJ text: `v` and `f` lines, polygons as fans; everything else is passed over.
 pub fn obj(text: &str) -> Result<Baked, String> {
+    let (points, faces) = read(text)?;
+    Baked::new(&points, &faces)
+}
+
+pub(crate) fn read(text: &str) -> Result<Mesh, String> {
     let mut points = Vec::new();
     let mut faces = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
@@ -31,7 +37,7 @@ pub fn obj(text: &str) -> Result<Baked, String> {
             _ => {}
         }
     }
-    Baked::new(&points, &faces)
+    Ok((points, faces))
 }
 
 #[cfg(test)]

@@ -62,7 +62,8 @@ pub fn run(machine: Machine, program: &Path, plugin: &Path, histogram: Option<&P
     parse(&text)
 }
 
-fn parse(report: &str) -> Result<Counts> {
+/// Reads the plugin's report but for its lines about stages.
+pub fn parse(report: &str) -> Result<Counts> {
     let mut total = None;
     let mut regions = BTreeMap::new();
     for line in report.lines() {
@@ -91,6 +92,7 @@ fn parse(report: &str) -> Result<Counts> {
                     },
                 );
             }
+            ("stage" | "block", _) => {}
             _ => bail!("report line {line:?}"),
         }
     }

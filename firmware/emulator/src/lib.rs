@@ -7,6 +7,7 @@ pub mod machine;
 pub mod pico;
 mod process;
 pub mod profile;
+pub mod rays;
 pub mod raystones;
 mod segments;
 pub mod size;

@@ -1,4 +1,4 @@
-//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator profile`, `emulator raystones`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator profile`, `emulator rays`, `emulator raystones`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
@@ -8,7 +8,7 @@ use emulator::{
     bench, count, identity,
     machine::Machine,
     pico::{self, Screen},
-    profile, raystones, size,
+    profile, rays, raystones, size,
 };
 use firmware_common::{
     stage::NAMES,
@@ -68,6 +68,15 @@ enum Command {
         /// File for the rows: core, scene, pixels, rays, crc, stages, helpers, work
         #[arg(long)]
         json: PathBuf,
+    },
+    /// Counts what primary rays to a mesh in a room take on three cores, and paths in the Cornell box
+    Rays {
+        /// File for the rows: core, scene, form, rays, mesh, whole, work
+        #[arg(long)]
+        json: PathBuf,
+        /// OBJ file to look at beside the torus knot
+        #[arg(long)]
+        mesh: Option<PathBuf>,
     },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
@@ -167,6 +176,7 @@ fn execute(command: Command) -> Result<()> {
         }),
         Command::Raystones { json } => raystones::run(&json),
         Command::Profile { json } => profile::run(&json),
+        Command::Rays { json, mesh } => rays::run(&json, mesh.as_deref()),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

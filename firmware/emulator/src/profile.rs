@@ -91,18 +91,8 @@ fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
     let program = program(machine)?;
     let elf = fs::read(&program)?;
     let elf = object::File::parse(&*elf)?;
-    let table = toolchain::work_folder()?.join(format!("{}.stages", machine.name()));
-    fs::write(&table, stages(&program, &elf)?)?;
-    let report = table.with_extension("report");
-    let argument = format!(
-        "{},report={},stages={},{}",
-        plugin.display(),
-        report.display(),
-        table.display(),
-        symbols::markers(&program)?
-    );
-    let printed = machine.run_in_qemu(&program, &["-plugin".to_owned(), argument])?;
-    let report = Report::parse(&fs::read_to_string(&report)?)?;
+    let (printed, report) = trace(machine, &program, plugin, "m0plus")?;
+    let report = Report::parse(&report)?;
     let functions = functions(&elf);
     let scenes = (0..).zip(NAMES);
     scenes
@@ -111,6 +101,31 @@ fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
             report.row(machine, region, scene, drawn, &functions)
         })
         .collect()
+}
+
+/// What the program prints, and the plugin's report of it: cycles of `core`, stages and blocks.
+pub fn trace(machine: Machine, program: &Path, plugin: &Path, core: &str) -> Result<(String, String)> {
+    let elf = fs::read(program)?;
+    let elf = object::File::parse(&*elf)?;
+    let table = toolchain::work_folder()?.join(format!("{}.stages", machine.name()));
+    fs::write(&table, stages(program, &elf)?)?;
+    let report = table.with_extension("report");
+    let argument = format!(
+        "{},report={},stages={},core={core},{}",
+        plugin.display(),
+        report.display(),
+        table.display(),
+        symbols::markers(program)?
+    );
+    let printed = machine.run_in_qemu(program, &["-plugin".to_owned(), argument])?;
+    Ok((printed, fs::read_to_string(&report)?))
+}
+
+/// How much there was to do in a region, by [`WORK`], of what a program of Armv6-M left in the plugin's report.
+pub fn work(program: &Path, report: &str, region: u64) -> Result<BTreeMap<&'static str, u64>> {
+    let elf = fs::read(program)?;
+    let functions = functions(&object::File::parse(&*elf)?);
+    Ok(Report::parse(report)?.work(region, &functions))
 }
 
 /// Builds what is profiled.
@@ -252,6 +267,30 @@ impl Report {
         Ok(report)
     }
 
+    /// How often each of the functions that are wanted was called.
+    fn calls<'f>(
+        &self,
+        region: u64,
+        functions: &'f BTreeMap<u64, String>,
+        wanted: &dyn Fn(&str) -> bool,
+    ) -> BTreeMap<&'f str, u64> {
+        let mut calls = BTreeMap::new();
+        for ((_, address), count) in self.blocks.range((region, 0)..(region + 1, 0)) {
+            if let Some(name) = functions.get(address).filter(|name| wanted(name)) {
+                *calls.entry(name.as_str()).or_default() += count;
+            }
+        }
+        calls
+    }
+
+    fn work(&self, region: u64, functions: &BTreeMap<u64, String>) -> BTreeMap<&'static str, u64> {
+        let one = |(what, parts): &(&'static str, [&str; 2])| {
+            let calls = self.calls(region, functions, &|name| is_named(name, *parts));
+            (*what, calls.values().sum())
+        };
+        WORK.iter().map(one).collect()
+    }
+
     fn row(
         &self,
         machine: Machine,
@@ -274,22 +313,8 @@ impl Report {
             .zip(names)
             .map(|(number, name)| stage(name, of_region(number)))
             .collect();
-        let calls = |wanted: &dyn Fn(&str) -> bool| -> BTreeMap<&str, u64> {
-            let mut calls = BTreeMap::new();
-            for ((_, address), count) in self.blocks.range((region, 0)..(region + 1, 0)) {
-                if let Some(name) = functions.get(address).filter(|name| wanted(name)) {
-                    *calls.entry(name.as_str()).or_default() += count;
-                }
-            }
-            calls
-        };
-        let work: BTreeMap<_, u64> = WORK
-            .iter()
-            .map(|(what, parts)| {
-                let is_it = |name: &str| is_named(name, *parts);
-                (*what, calls(&is_it).values().sum())
-            })
-            .collect();
+        let work = self.work(region, functions);
+        let helpers = self.calls(region, functions, &|name| raystones::is_helper(name));
         ensure!(pixels > 0, "{scene}: no pixels");
         Ok(json!({
             "core": machine.core(),
@@ -298,7 +323,7 @@ impl Report {
             "rays": rays,
             "crc": crc,
             "stages": stages,
-            "helpers": calls(&|name| raystones::is_helper(name)),
+            "helpers": helpers,
             "work": if has_cycles { json!(work) } else { Value::Null },
         }))
     }

@@ -1,6 +1,6 @@
 //! Counts what a QEMU machine executes: instructions, Cortex-M0+ cycles, marked regions, and each address.
 //!
-//! `-plugin libqemu_count.so,report=FILE[,histogram=FILE][,stages=FILE][,begin=ADDRESS:BYTES,end=ADDRESS:BYTES,regions=ADDRESS:BYTES]`
+//! `-plugin libqemu_count.so,report=FILE[,histogram=FILE][,stages=FILE][,core=CORE][,begin=ADDRESS:BYTES,end=ADDRESS:BYTES,regions=ADDRESS:BYTES]`
 //!
 //! `begin` and `end` are the two marker functions of the firmware, `regions` the array that they store to: the place
 //! of the stored byte is the number of the region. The report has a line `total INSTRUCTIONS CYCLES` and for each
@@ -9,7 +9,8 @@
 //!
 //! With `stages` ([`stages`]) the report also says what each stage of a region took, and how often each block was begun.
 //!
-//! The cycles mean something on a Cortex-M0 alone: see [`cycles`]. One virtual CPU is assumed.
+//! The cycles are those of `core` ([`cycles`]: `m0plus`, `m4` or `hazard3`), a Cortex-M0+ if it is not said; on another they
+//! mean nothing. One virtual CPU is assumed.
 
 mod api;
 mod cycles;
@@ -29,6 +30,7 @@ use std::{
 };
 
 use api::{Block, Id, Info};
+use cycles::Core;
 
 #[unsafe(no_mangle)]
 #[allow(non_upper_case_globals, reason = "QEMU looks for this name")]
@@ -92,6 +94,7 @@ struct Settings {
     report: String,
     histogram: Option<String>,
     stages: Option<stages::Table>,
+    core: Core,
     begin: Range<u64>,
     end: Range<u64>,
     regions: Range<u64>,
@@ -121,9 +124,14 @@ extern "C" fn on_block(_cpu: c_uint, data: *mut c_void) {
         },
         Relaxed,
     );
-    let taken = expected != 0 && expected != run.start;
-    TOTAL.add(run.instructions, run.cycles + u64::from(taken));
-    if SETTINGS.get().is_some_and(|settings| settings.stages.is_some()) {
+    let settings = SETTINGS.get().expect("set before the first translation");
+    let taken = if expected != 0 && expected != run.start {
+        settings.core.taken()
+    } else {
+        0
+    };
+    TOTAL.add(run.instructions, run.cycles + taken);
+    if settings.stages.is_some() {
         stages::on_block(run.start, run.end, &run.stages, taken);
     }
 }
@@ -160,6 +168,7 @@ extern "C" fn on_end(_cpu: c_uint, _access: u32, address: u64, _data: *mut c_voi
 extern "C" fn on_translation(_id: Id, block: *mut Block) {
     let settings = SETTINGS.get().expect("set before the first translation");
     let mut lines = LINES.lock().unwrap();
+    let mut before = None;
     let mut run = Run {
         start: 0,
         end: 0,
@@ -174,12 +183,14 @@ extern "C" fn on_translation(_id: Id, block: *mut Block) {
         let address = unsafe { api::qemu_plugin_insn_vaddr(instruction) };
         // SAFETY: the instruction is valid as above; see `decode` for its bytes.
         let (opcode, bytes) = unsafe { decode(instruction, settings.is_arm) };
-        let cycles = cycles::of(opcode, bytes);
+        let waits = before.map_or(0, |before| settings.core.waits(before, opcode, bytes));
+        let cycles = settings.core.cycles(opcode, bytes) + waits;
+        before = Some((opcode, bytes));
         if index == 0 {
             run.start = address;
         }
         run.end = address + bytes;
-        run.ends_in_conditional_branch = cycles::is_conditional_branch(opcode, bytes);
+        run.ends_in_conditional_branch = settings.core.is_conditional_branch(opcode, bytes);
         run.instructions += 1;
         run.cycles += cycles;
         if let Some(table) = &settings.stages {
@@ -308,6 +319,7 @@ fn settings(target: &[u8], arguments: &[String]) -> Option<Settings> {
         report: String::new(),
         histogram: None,
         stages: None,
+        core: Core::M0Plus,
         begin: 0..0,
         end: 0..0,
         regions: 0..0,
@@ -317,6 +329,7 @@ fn settings(target: &[u8], arguments: &[String]) -> Option<Settings> {
             ("report", file) => settings.report = file.to_owned(),
             ("histogram", file) => settings.histogram = Some(file.to_owned()),
             ("stages", file) => settings.stages = Some(stages::Table::read(file)?),
+            ("core", name) => settings.core = Core::named(name)?,
             ("begin", marker) => settings.begin = range(marker)?,
             ("end", marker) => settings.end = range(marker)?,
             ("regions", array) => settings.regions = range(array)?,

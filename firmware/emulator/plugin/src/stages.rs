@@ -89,16 +89,16 @@ pub fn close() {
     with(|state| state.region = None);
 }
 
-/// A block was executed; `taken` if the branch before it was, which costs that one a cycle.
-pub fn on_block(start: u64, end: u64, block: &Block, taken: bool) {
+/// A block was executed; `taken` cycles if the branch before it was taken, which are that one's.
+pub fn on_block(start: u64, end: u64, block: &Block, taken: u64) {
     with(|state| {
         let Some(region) = state.region else { return };
         while state.calls.last().is_some_and(|call| call.0 == start) {
             state.calls.pop();
         }
         *state.blocks.entry((region, start)).or_default() += 1;
-        if taken {
-            state.spent.entry((region, state.last)).or_default().1 += 1;
+        if taken > 0 {
+            state.spent.entry((region, state.last)).or_default().1 += taken;
         }
         for part in &block.parts {
             let callers = || state.calls.last().map_or(0, |call| call.1);
@@ -176,11 +176,11 @@ mod tests {
         after.push(0, 1);
         after.push(4, 1);
         open(7);
-        on_block(100, 106, &caller, false);
-        on_block(500, 502, &helper, false);
-        on_block(106, 110, &after, true);
+        on_block(100, 106, &caller, 0);
+        on_block(500, 502, &helper, 0);
+        on_block(106, 110, &after, 1);
         close();
-        on_block(500, 502, &helper, false);
+        on_block(500, 502, &helper, 0);
         let mut text = String::new();
         report(&mut text);
         assert_eq!(
