@@ -84,16 +84,14 @@ pub fn traverse<V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
 fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
     // A waiting node is its nearest depth in the high half, its index in the low one.
     let mut stack: Vec<u32, STACK> = Vec::new();
-    let rises = match V::ORDER {
-        Order::Entry => Some(ray.slopes.map(Rise::new)),
-        Order::Face | Order::Any => None,
-    };
+    let mut entry = Entry::new(ray);
     let mut at = 0u32;
     loop {
         let mut nearest = NONE;
         if let Some(node) = nodes.get((at & 0xffff) as usize) {
             let origin = from_origin::<K>(node, ray);
             let (mut mask, bounds) = hit_mask::<K>(node, ray, origin, visitor.limit());
+            (entry.origin, entry.bounds) = (origin, bounds);
             // With nothing to choose from, or to fall behind of, it does not matter where a child begins.
             let alone = V::ORDER == Order::Any || mask & mask.wrapping_sub(1) == 0;
             let mut slot = 0;
@@ -101,10 +99,10 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
                 if mask & 1 != 0 {
                     let meta = node.meta[slot & 3];
                     if meta & 0x80 != 0 {
-                        let depth = if alone {
-                            0
-                        } else {
-                            depth::<K>(node, ray, origin, rises.map(|rises| (rises, bounds)), slot)
+                        let depth = match V::ORDER {
+                            _ if alone => 0,
+                            Order::Entry => depth::<K>(node, &entry, slot),
+                            Order::Face | Order::Any => entry.along(entry.face::<K>(node, slot), node),
                         };
                         let waiting = depth << 16 | node.node(meta) as u32;
                         let farther = waiting.max(nearest);
@@ -135,37 +133,61 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
 /// No node waits: depth and index are the largest of all.
 const NONE: u32 = u32::MAX;
 
+/// Where a ray comes into boxes: what is the same for all of a tree's, and for all of a node's.
+struct Entry {
+    /// What the ray passes on its way aside.
+    across: [Rise; 2],
+    /// All ones for a ray that goes down its dominant axis: places along it, so flipped, rise along the ray.
+    flip: i32,
+    /// The node's origin along the dominant axis, seen from the ray's.
+    origin: i32,
+    /// As [`hit_mask`] has them.
+    bounds: [i32; 2],
+}
+
+impl Entry {
+    #[inline(always)]
+    fn new(ray: &GridRay) -> Entry {
+        Entry {
+            across: ray.slopes.map(|slope| Rise::new(slope, ray.negative)),
+            flip: -(ray.negative as i32),
+            origin: 0,
+            bounds: [0; 2],
+        }
+    }
+
+    /// The child's face along the dominant axis that the ray comes to first, flipped.
+    #[inline(always)]
+    fn face<const K: usize>(&self, node: &Node, slot: usize) -> i32 {
+        node.planes[K][(self.flip & 1) as usize][slot & 3] as i32 ^ self.flip
+    }
+
+    /// How far away a flipped plane of the node is, steps along the dominant axis: 0 ..= 65535.
+    #[inline(always)]
+    fn along(&self, plane: i32, node: &Node) -> u32 {
+        let z = self.origin + ((plane ^ self.flip) << (node.exponent & 15));
+        ((z ^ self.flip) - self.flip).max(0) as u32
+    }
+}
+
 /// Where the ray comes into the child's box, steps along the dominant axis, or a little before: 0 ..= 65535.
 ///
 /// Of three planes it passes the last: the box's face along the axis, and those across it, which lie as far along as they
 /// lie aside over the slope. That is cut off to a whole plane's step, and one more is taken off, since a triangle's depth is
 /// rounded, too.
-#[cfg_attr(narrow_mul, inline(never))]
-#[cfg_attr(not(narrow_mul), inline(always))]
-fn depth<const K: usize>(
-    node: &Node,
-    ray: &GridRay,
-    origin: i32,
-    across: Option<([Rise; 2], [i32; 2])>,
-    slot: usize,
-) -> u32 {
-    let mut plane = node.planes[K][ray.negative as usize][slot & 3] as i32;
-    if let Some((rises, bounds)) = across {
-        for (a, (rise, bound)) in rises.into_iter().zip(bounds).enumerate() {
-            let falls = ray.slopes[a] < 0;
-            let face = node.planes[(K + 1 + a) % 3][(falls != ray.negative) as usize][slot & 3] as i32;
-            let aside = (face << SLOPE_BITS) - bound;
-            if let Some(steps) = rise.steps(if falls { -aside } else { aside }) {
-                plane = if ray.negative {
-                    plane.min(steps + 2)
-                } else {
-                    plane.max(steps - 1)
-                };
-            }
+#[cfg_attr(target_pointer_width = "32", inline(never))]
+#[cfg_attr(not(target_pointer_width = "32"), inline(always))]
+fn depth<const K: usize>(node: &Node, entry: &Entry, slot: usize) -> u32 {
+    let mut plane = entry.face::<K>(node, slot);
+    for a in 0..2 {
+        let rise = &entry.across[a];
+        let face = node.planes[(K + 1 + a) % 3][rise.face()][slot & 3] as i32;
+        if let Some(steps) = rise.steps((face << SLOPE_BITS) - entry.bounds[a]) {
+            // Up to 1.4 too few: one less, or three more where it is flipped.
+            plane = plane.max((steps - 1 - (entry.flip << 2)) ^ entry.flip);
         }
     }
-    let z = origin + (plane << (node.exponent & 15));
-    (if ray.negative { -z } else { z }).max(0) as u32
+    entry.along(plane, node)
 }
 
 /// The node's origin along the dominant axis, seen from the ray's.
