@@ -46,6 +46,9 @@ pub struct Options {
     /// Share of the steps after which numbers are rounded as in the core
     #[arg(long, default_value_t = 0.5)]
     rounded_from: f32,
+    /// Each crop's gradient by its loss: clean pictures count as much as noisy ones, as in dB
+    #[arg(long)]
+    relative: bool,
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Steps between lines of the log, and between states that are kept
@@ -316,7 +319,13 @@ fn train(options: &Options) -> Result<()> {
         let mut loss = 0.0;
         for (part, g) in &parts {
             loss += part / options.batch as f32;
-            let sum = |to: &mut [f32], from: &[f32]| to.iter_mut().zip(from).for_each(|(a, b)| *a += b);
+            // Flat below what the best pictures have.
+            let by = if options.relative {
+                0.03 / (part + 0.003)
+            } else {
+                1.0
+            };
+            let sum = |to: &mut [f32], from: &[f32]| to.iter_mut().zip(from).for_each(|(a, b)| *a += by * b);
             sum(&mut gradient.weights, &g.weights);
             sum(&mut gradient.biases, &g.biases);
         }
