@@ -3,8 +3,8 @@
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::geom::Ray;
-use crate::shape::triangle::{TriangleHit, intersect};
-use crate::shape::{DEPTH_BITS, GridRay, Leaf, MeshHit, Slopes, Triangles};
+use crate::shape::triangle::{Seen, TriangleHit, intersect};
+use crate::shape::{DEPTH_BITS, GridRay, MeshHit, Slopes, Triangles};
 use core::ops::ControlFlow;
 
 /// The nearest hit at a distance under `t_max`; of equal depths (1/16 step) that of the lowest number.
@@ -100,6 +100,17 @@ impl<'a> Nearest<'a> {
         }
     }
 
+    /// Keeps the triangle if it is nearer than what there is.
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline(always))]
+    fn ask(&mut self, ray: &GridRay, corners: &[Seen; 3], number: u32) {
+        if let Some(hit) = intersect(ray, corners)
+            && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle))
+        {
+            (self.hit, self.triangle) = (hit, number);
+        }
+    }
+
     fn hit(&self, ray: &GridRay, t_max: i32) -> Option<MeshHit> {
         let t = (self.triangle != Nearest::NONE)
             .then(|| ray.distance(self.hit.depth))
@@ -122,17 +133,11 @@ impl Visitor for Nearest<'_> {
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let mut number = self.mesh.first(base, leaf);
-        let mut triangles = Leaf::open(self.mesh, base, leaf);
-        while let Some(corners) = triangles.next::<K>(ray) {
-            if let Some(hit) = intersect(ray, corners)
-                && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle))
-            {
-                (self.hit, self.triangle) = (hit, number);
-            }
-            number += 1;
-        }
-        ControlFlow::Continue(())
+        let mesh = self.mesh;
+        mesh.of_leaf::<K>(ray, base, leaf, |number, corners| {
+            self.ask(ray, corners, number);
+            ControlFlow::Continue(())
+        })
     }
 }
 
@@ -155,15 +160,23 @@ impl Visitor for Any<'_> {
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let mut triangles = Leaf::open(self.mesh, base, leaf);
-        while let Some(corners) = triangles.next::<K>(ray) {
-            let met = intersect(ray, corners);
-            if met.is_some_and(|hit| ray.distance(hit.depth) < self.t_max) {
-                self.found = true;
-                return ControlFlow::Break(());
-            }
+        let met = self
+            .mesh
+            .of_leaf::<K>(ray, base, leaf, |_, corners| self.ask(ray, corners));
+        self.found = met.is_break();
+        met
+    }
+}
+
+impl Any<'_> {
+    /// Breaks if the triangle is in the way.
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline(always))]
+    fn ask(&self, ray: &GridRay, corners: &[Seen; 3]) -> ControlFlow<()> {
+        match intersect(ray, corners) {
+            Some(hit) if ray.distance(hit.depth) < self.t_max => ControlFlow::Break(()),
+            _ => ControlFlow::Continue(()),
         }
-        ControlFlow::Continue(())
     }
 }
 

@@ -33,7 +33,6 @@ pub use packed::{PackedMesh, Treelet};
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
 pub(crate) use sight::Sight;
 pub use sphere::Sphere;
-pub(crate) use triangles::Leaf;
 pub use triangles::Triangles;
 
 /// Where a shape is.

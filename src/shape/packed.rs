@@ -174,9 +174,8 @@ impl<'a> PackedMesh<'a> {
     }
 
     /// The leaf at a place of a block, before its first triangle.
-    ///
-    /// `none` stands for corners that there are not yet.
-    pub(crate) fn leaf<T: Copy>(&self, block: u32, place: u32, none: T) -> Option<Strip<'a, T>> {
+    #[inline]
+    pub(crate) fn leaf(&self, block: u32, place: u32) -> Option<Strip<'a, ()>> {
         let &[low, high] = self.leaves.get(block as usize..)?.first_chunk()?;
         let treelet = self
             .treelets
@@ -190,16 +189,18 @@ impl<'a> PackedMesh<'a> {
             treelet,
             rest: self.leaves.get(at + 1..)?,
             codes: u32::from(head | 3),
-            corners: [none; 3],
+            corners: [(); 3],
         })
     }
 
     /// The corners of the triangle with a number, grid coordinates.
     pub(crate) fn corners(&self, triangle: u32) -> Option<[[u16; 3]; 3]> {
         // In words, which are copied quicker than half words are.
-        let mut strip = self.leaf(triangle >> 4, triangle >> 2 & 3, [0; 2])?;
-        for _ in 0..=(triangle & 3) {
-            strip.advance(self, |&[x, y, z]| [u32::from(x) | u32::from(y) << 16, z.into()])?;
+        let words = |&[x, y, z]: &[u16; 3]| [u32::from(x) | u32::from(y) << 16, z.into()];
+        let leaf = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
+        let mut strip = leaf.begin(self, words)?;
+        for _ in 0..(triangle & 3) {
+            strip.advance(self, words)?;
         }
         Some(
             strip
@@ -215,7 +216,7 @@ impl<'a> PackedMesh<'a> {
             mut rest,
             mut codes,
             ..
-        } = self.leaf(triangle >> 4, triangle >> 2 & 3, ())?;
+        } = self.leaf(triangle >> 4, triangle >> 2 & 3)?;
         let mut next = || {
             let (&index, after) = rest.split_first()?;
             rest = after;
@@ -302,6 +303,34 @@ pub(crate) struct Strip<'a, T> {
     pub corners: [T; 3],
 }
 
+impl<'a> Strip<'a, ()> {
+    /// With its first triangle; `see` makes of a vertex what is kept of it.
+    #[inline]
+    pub fn begin<T: Copy>(
+        self,
+        mesh: &PackedMesh,
+        see: impl Fn(&[u16; 3]) -> T + Copy,
+    ) -> Option<Strip<'a, T>> {
+        let Strip {
+            treelet,
+            mut rest,
+            codes,
+            ..
+        } = self;
+        let corners = [
+            next(treelet, &mut rest, mesh, see)?,
+            next(treelet, &mut rest, mesh, see)?,
+            next(treelet, &mut rest, mesh, see)?,
+        ];
+        Some(Strip {
+            treelet,
+            rest,
+            codes: codes >> 2,
+            corners,
+        })
+    }
+}
+
 impl<T: Copy> Strip<'_, T> {
     /// On to the next triangle; `see` makes of a vertex what is kept of it.
     #[inline(never)]
@@ -311,22 +340,28 @@ impl<T: Copy> Strip<'_, T> {
             1 => self.corners[0] = self.corners[2],
             2 => self.corners[1] = self.corners[2],
             _ => {
-                self.corners[0] = self.next(mesh, see)?;
-                self.corners[1] = self.next(mesh, see)?;
+                self.corners[0] = next(self.treelet, &mut self.rest, mesh, see)?;
+                self.corners[1] = next(self.treelet, &mut self.rest, mesh, see)?;
             }
         }
         self.codes >>= 2;
-        self.corners[2] = self.next(mesh, see)?;
+        self.corners[2] = next(self.treelet, &mut self.rest, mesh, see)?;
         Some(())
     }
+}
 
-    #[cfg_attr(narrow_mul, inline(never))]
-    #[cfg_attr(not(narrow_mul), inline)]
-    fn next(&mut self, mesh: &PackedMesh, see: impl Fn(&[u16; 3]) -> T) -> Option<T> {
-        let (&index, rest) = self.rest.split_first()?;
-        self.rest = rest;
-        Some(see(&mesh.vertex(self.treelet, index)?))
-    }
+/// The next vertex of a strip's, of which `rest` is still to come.
+#[cfg_attr(narrow_mul, inline(never))]
+#[cfg_attr(not(narrow_mul), inline)]
+fn next<T>(
+    treelet: &Treelet,
+    rest: &mut &[u8],
+    mesh: &PackedMesh,
+    see: impl Fn(&[u16; 3]) -> T,
+) -> Option<T> {
+    let (&index, after) = rest.split_first()?;
+    *rest = after;
+    Some(see(&mesh.vertex(treelet, index)?))
 }
 
 /// What [`PackedMesh::each_leaf`] walks along.
@@ -396,7 +431,7 @@ impl PackedMesh<'_> {
         if treelet.widths().iter().any(|&width| width > 16) || treelet.widths >> 15 != 0 {
             return Err(MeshError::Width { treelet: number });
         }
-        let mut strip = self.leaf(leaf.block, leaf.place, [0; 3]).ok_or(fault)?;
+        let strip = self.leaf(leaf.block, leaf.place).ok_or(fault)?;
         let bytes = length((strip.codes & !3) as u8 | (leaf.count - 1) as u8) - 1;
         let indices = strip.rest.get(..bytes).ok_or(fault)?;
         if indices.iter().any(|&index| index > treelet.last) {
@@ -404,10 +439,12 @@ impl PackedMesh<'_> {
                 triangle: leaf.first(),
             });
         }
+        let cut = MeshError::Vertices { treelet: number };
+        let mut strip = strip.begin(self, |vertex| *vertex).ok_or(cut)?;
         for triangle in leaf.first()..leaf.first() + leaf.count {
-            strip
-                .advance(self, |vertex| *vertex)
-                .ok_or(MeshError::Vertices { treelet: number })?;
+            if triangle > leaf.first() {
+                strip.advance(self, |vertex| *vertex).ok_or(cut)?;
+            }
             let keeps = Grid::MARGIN..=u16::MAX - Grid::MARGIN;
             if !strip.corners.as_flattened().iter().all(|c| keeps.contains(c)) {
                 return Err(MeshError::Corner { triangle });

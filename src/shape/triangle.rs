@@ -40,9 +40,6 @@ pub(crate) struct Seen {
 }
 
 impl Seen {
-    /// None yet.
-    pub const NONE: Seen = Seen { at: [0; 2], z: 0 };
-
     /// `K` is the ray's dominant axis.
     #[inline(always)]
     pub fn new<const K: usize>(ray: &GridRay, v: &[u16; 3]) -> Seen {

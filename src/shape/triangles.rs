@@ -1,11 +1,12 @@
 use super::attributes::Layers;
 use super::grid::{Bounds, Grid, GridRay};
 use super::mesh::{MeshHit, TriangleMesh, corners};
-use super::packed::{PackedMesh, Strip};
+use super::packed::PackedMesh;
 use super::triangle::{Edge, Seen};
 use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
 use crate::num::{ONE_Q16, Wide, mul_q16};
+use core::ops::ControlFlow;
 
 /// The triangles of a mesh, either as they are indexed or packed into few bytes.
 ///
@@ -73,15 +74,6 @@ impl<'a> Triangles<'a> {
         };
         let leaf = |leaf: super::packed::Leaf| leaf.first()..leaf.first() + leaf.count;
         plain.chain(packed.into_iter().flatten().flat_map(leaf))
-    }
-
-    /// The number of a leaf's first triangle: see [`Leaf::open`].
-    #[inline(always)]
-    pub(crate) const fn first(&self, base: u32, leaf: u32) -> u32 {
-        match self {
-            Triangles::Plain(_) => base + (leaf & 15),
-            Triangles::Packed(_) => base << 4 | leaf & 12,
-        }
     }
 
     /// The three vertices of a triangle, grid coordinates.
@@ -263,51 +255,47 @@ fn of_corners<T: Copy>(mesh: &TriangleMesh, list: &[T], triangle: u32) -> Option
     Some([*list.get(a)?, *list.get(b)?, *list.get(c)?])
 }
 
-/// The triangles of one leaf, one after the other.
-pub(crate) enum Leaf<'a> {
-    Plain(&'a [[u16; 3]], core::slice::Iter<'a, [u16; 3]>, [Seen; 3]),
-    Packed(&'a PackedMesh<'a>, Strip<'a, Seen>, u32),
-    None,
-}
-
-impl<'a> Leaf<'a> {
-    /// Of a node's primitive base, and the leaf's count · 16 + offset from it; without any if the mesh has not got them
-    /// all.
+impl Triangles<'_> {
+    /// The corners of each triangle of a leaf as the ray sees them, with its number, until `each` breaks.
+    ///
+    /// Of a node's primitive base, and the leaf's count · 16 + offset from it; none if the mesh has not got them all. `K` is the
+    /// ray's dominant axis.
     #[inline(always)]
-    pub fn open(mesh: &'a Triangles<'a>, base: u32, leaf: u32) -> Leaf<'a> {
-        match mesh {
-            Triangles::Plain(mesh) => {
-                let first = (base + (leaf & 15)) as usize;
-                match mesh.triangles.get(first..first + (leaf >> 4) as usize) {
-                    Some(triangles) => Leaf::Plain(mesh.vertices, triangles.iter(), [Seen::NONE; 3]),
-                    None => Leaf::None,
-                }
-            }
-            Triangles::Packed(mesh) => match mesh.leaf(base, leaf >> 2 & 3, Seen::NONE) {
-                Some(strip) => Leaf::Packed(mesh, strip, leaf >> 4),
-                None => Leaf::None,
-            },
-        }
-    }
-
-    /// The corners of the next triangle as the ray sees them; `None` after the last. `K` is the ray's dominant axis.
-    #[inline(always)]
-    pub fn next<const K: usize>(&mut self, ray: &GridRay) -> Option<&[Seen; 3]> {
+    pub(crate) fn of_leaf<const K: usize>(
+        &self,
+        ray: &GridRay,
+        base: u32,
+        leaf: u32,
+        mut each: impl FnMut(u32, &[Seen; 3]) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
         match self {
-            Leaf::Plain(vertices, triangles, seen) => {
-                // One that names a vertex there is not is seen as a point, which nothing hits.
-                let &triangle = triangles.next()?;
-                *seen = corners(vertices, triangle).unwrap_or([&[0; 3]; 3]).map(see);
-                Some(seen)
+            Triangles::Plain(mesh) => {
+                let first = (base + (leaf & 15)) as usize;
+                let triangles = mesh.triangles.get(first..first + (leaf >> 4) as usize);
+                for (number, &triangle) in (first as u32..).zip(triangles.unwrap_or(&[])) {
+                    // One that names a vertex there is not is hit by nothing.
+                    if let Some([a, b, c]) = corners(mesh.vertices, triangle) {
+                        each(number, &[see(a), see(b), see(c)])?;
+                    }
+                }
             }
-            Leaf::Packed(mesh, strip, left) => {
-                *left = left.checked_sub(1)?;
-                strip.advance(mesh, see)?;
-                Some(&strip.corners)
+            Triangles::Packed(mesh) => {
+                let strip = mesh.leaf(base, leaf >> 2 & 3);
+                let Some(mut strip) = strip.and_then(|strip| strip.begin(mesh, see)) else {
+                    return ControlFlow::Continue(());
+                };
+                let first = base << 4 | leaf & 12;
+                each(first, &strip.corners)?;
+                for number in 1..leaf >> 4 {
+                    if strip.advance(mesh, see).is_none() {
+                        break;
+                    }
+                    each(first + number, &strip.corners)?;
+                }
             }
-            Leaf::None => None,
         }
+        ControlFlow::Continue(())
     }
 }
 

@@ -52,7 +52,7 @@ const APART: [(&str, usize); 4] = [
     ("::surface", SURFACE),
     ("::leave", SURFACE),
     ("::onto_plane", SURFACE),
-    ("::Leaf", UNPACKING),
+    ("::of_leaf", UNPACKING),
 ];
 const UNPACKING: usize = 4;
 const SURFACE: usize = 5;
@@ -72,7 +72,7 @@ const WORK: [(&str, [&str; 2]); 5] = [
     ("set-ups", ["shape::grid::GridRay", "::enter"]),
     ("nodes", ["bvh::traverse", "::along"]),
     ("shapes", ["shape::Geometry", "::intersect"]),
-    ("triangles", ["shape::packed::Strip", "::advance"]),
+    ("triangles", ["bvh::mesh::", "::ask"]),
     ("hits", ["shape::triangle", "::meet"]),
 ];
 
@@ -339,7 +339,7 @@ mod tests {
             (STAGES[SURFACE - 1].0, STAGES[UNPACKING - 1].0),
             ("surface", "unpacking")
         );
-        let leaf = "<microlux::shape::triangles::Leaf>::open";
+        let leaf = "<microlux::shape::triangles::Triangles>::of_leaf";
         assert_eq!(
             [stage_of_function(leaf), stage_of_function("main")],
             [Some(UNPACKING), None]
@@ -362,7 +362,7 @@ mod tests {
 
     #[test]
     fn functions_are_known_whatever_their_types() {
-        let name = "microlux::shape::packed::Stripmicrolux::shape::triangle::Seen::advance::closure";
+        let name = "microlux::bvh::mesh::Nearest::ask";
         let found: Vec<_> = WORK.iter().filter(|(_, parts)| is_named(name, *parts)).collect();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, "triangles");
