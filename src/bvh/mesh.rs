@@ -3,6 +3,8 @@
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::geom::Ray;
+#[cfg(target_arch = "x86_64")]
+use crate::shape::sse2;
 use crate::shape::triangle::{Seen, TriangleHit, intersect};
 use crate::shape::{DEPTH_BITS, GridRay, MeshHit, Slopes, Triangles};
 use core::ops::ControlFlow;
@@ -104,9 +106,14 @@ impl<'a> Nearest<'a> {
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn ask(&mut self, ray: &GridRay, corners: &[Seen; 3], number: u32) {
-        if let Some(hit) = intersect(ray, corners)
-            && (hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle))
-        {
+        if let Some(hit) = intersect(ray, corners) {
+            self.keep(number, hit);
+        }
+    }
+
+    #[inline(always)]
+    fn keep(&mut self, number: u32, hit: TriangleHit) {
+        if hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle) {
             (self.hit, self.triangle) = (hit, number);
         }
     }
@@ -134,6 +141,13 @@ impl Visitor for Nearest<'_> {
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let mesh = self.mesh;
+        #[cfg(target_arch = "x86_64")]
+        if let Triangles::Plain(mesh) = mesh {
+            return sse2::of_leaf::<K>(mesh, ray, base, leaf, |number, hit| {
+                self.keep(number, hit);
+                ControlFlow::Continue(())
+            });
+        }
         mesh.of_leaf::<K>(ray, base, leaf, |number, corners| {
             self.ask(ray, corners, number);
             ControlFlow::Continue(())
@@ -160,22 +174,37 @@ impl Visitor for Any<'_> {
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let met = self
-            .mesh
-            .of_leaf::<K>(ray, base, leaf, |_, corners| self.ask(ray, corners));
+        let met = self.any_of::<K>(ray, base, leaf);
         self.found = met.is_break();
         met
     }
 }
 
 impl Any<'_> {
+    /// Breaks at a triangle of the leaf that is in the way.
+    #[inline(always)]
+    fn any_of<const K: usize>(&self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        #[cfg(target_arch = "x86_64")]
+        if let Triangles::Plain(mesh) = self.mesh {
+            return sse2::of_leaf::<K>(mesh, ray, base, leaf, |_, hit| self.within(ray, hit));
+        }
+        self.mesh
+            .of_leaf::<K>(ray, base, leaf, |_, corners| self.ask(ray, corners))
+    }
+
     /// Breaks if the triangle is in the way.
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline(always))]
     fn ask(&self, ray: &GridRay, corners: &[Seen; 3]) -> ControlFlow<()> {
-        match intersect(ray, corners) {
-            Some(hit) if ray.distance(hit.depth) < self.t_max => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
+        intersect(ray, corners).map_or(ControlFlow::Continue(()), |hit| self.within(ray, hit))
+    }
+
+    #[inline(always)]
+    fn within(&self, ray: &GridRay, hit: TriangleHit) -> ControlFlow<()> {
+        if ray.distance(hit.depth) < self.t_max {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
         }
     }
 }

@@ -9,6 +9,8 @@ mod build;
 mod check;
 mod mesh;
 mod node;
+#[cfg(target_arch = "x86_64")]
+mod sse2;
 mod traverse;
 
 pub use build::{BuildError, Item, build_items, build_mesh, max_nodes};

@@ -27,10 +27,19 @@
 //! |F| < 2^31 for any grid point; (q << 13) and S·q are under 2^21.
 
 use super::MAX_DEPTH;
-use super::node::{Node, Planes};
-use crate::shape::{GridRay, Rise, SLOPE_BITS};
+use super::node::Node;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+use super::node::Planes;
+#[cfg(target_arch = "x86_64")]
+use super::sse2::Boxes;
+use crate::shape::GridRay;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+use crate::shape::{Rise, SLOPE_BITS};
 use core::ops::ControlFlow;
 use heapless::Vec;
+
+#[cfg(not(target_arch = "x86_64"))]
+use OneByOne as Boxes;
 
 /// Three children a level wait while the fourth is looked at.
 const STACK: usize = 3 * MAX_DEPTH + 1;
@@ -84,27 +93,33 @@ pub fn traverse<V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
 fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
     // A waiting node is its nearest depth in the high half, its index in the low one.
     let mut stack: Vec<u32, STACK> = Vec::new();
-    let mut entry = Entry::new(ray);
+    let mut boxes = Boxes::new(ray);
     let mut at = 0u32;
     loop {
         let mut nearest = NONE;
         if let Some(node) = nodes.get((at & 0xffff) as usize) {
-            let origin = from_origin::<K>(node, ray);
-            let (mut mask, bounds) = hit_mask::<K>(node, ray, origin, visitor.limit());
-            (entry.origin, entry.bounds) = (origin, bounds);
+            let mut mask = boxes.hit_mask::<K>(node, visitor.limit());
+            let few = mask & mask.wrapping_sub(1) == 0;
+            // Straight on to a single inner child; what follows does the same with more ado.
+            if COUNTED && few && mask != 0 {
+                let meta = node.meta[mask.trailing_zeros() as usize & 3];
+                if meta & 0x80 != 0 {
+                    at = u32::from(node.node(meta));
+                    continue;
+                }
+            }
             // With nothing to choose from, or to fall behind of, it does not matter where a child begins.
-            let alone = V::ORDER == Order::Any || mask & mask.wrapping_sub(1) == 0;
+            let order = if few { Order::Any } else { V::ORDER };
+            let depths = boxes.depths::<K>(node, order);
             let mut slot = 0;
             while mask != 0 {
-                if mask & 1 != 0 {
+                let skipped = if COUNTED { mask.trailing_zeros() } else { 0 };
+                slot += skipped as usize;
+                mask >>= skipped;
+                if COUNTED || mask & 1 != 0 {
                     let meta = node.meta[slot & 3];
                     if meta & 0x80 != 0 {
-                        let depth = match V::ORDER {
-                            _ if alone => 0,
-                            Order::Entry => depth::<K>(node, &entry, slot),
-                            Order::Face | Order::Any => entry.along(entry.face::<K>(node, slot), node),
-                        };
-                        let waiting = depth << 16 | node.node(meta) as u32;
+                        let waiting = depths.of::<K>(slot) << 16 | node.node(meta) as u32;
                         let farther = waiting.max(nearest);
                         nearest = waiting.min(nearest);
                         if farther != NONE {
@@ -133,8 +148,14 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
 /// No node waits: depth and index are the largest of all.
 const NONE: u32 = u32::MAX;
 
-/// Where a ray comes into boxes: what is the same for all of a tree's, and for all of a node's.
-struct Entry {
+/// Whether the core counts the zeros below a mask's lowest bit in one instruction that is worth its while.
+const COUNTED: bool = cfg!(target_arch = "x86_64");
+
+/// A node's four boxes in turn: what is the same of a ray for all of a tree's, and for all of a node's.
+/// [`super::sse2`] has the same at once.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+pub(super) struct OneByOne<'a> {
+    ray: &'a GridRay,
     /// What the ray passes on its way aside.
     across: [Rise; 2],
     /// All ones for a ray that goes down its dominant axis: places along it, so flipped, rise along the ray.
@@ -145,14 +166,43 @@ struct Entry {
     bounds: [i32; 2],
 }
 
-impl Entry {
+/// Of a node: how far off its children are.
+#[cfg(any(test, not(target_arch = "x86_64")))]
+pub(super) struct Depths<'a> {
+    boxes: &'a OneByOne<'a>,
+    node: &'a Node,
+    order: Order,
+}
+
+#[cfg(any(test, not(target_arch = "x86_64")))]
+impl<'a> OneByOne<'a> {
     #[inline(always)]
-    fn new(ray: &GridRay) -> Entry {
-        Entry {
+    pub fn new(ray: &'a GridRay) -> OneByOne<'a> {
+        OneByOne {
+            ray,
             across: ray.slopes.map(|slope| Rise::new(slope, ray.negative)),
             flip: -(ray.negative as i32),
             origin: 0,
             bounds: [0; 2],
+        }
+    }
+
+    /// Bit i: the ray may meet child i before the limit. (Slots without a child may be set.)
+    #[inline(always)]
+    pub fn hit_mask<const K: usize>(&mut self, node: &Node, limit: i32) -> u32 {
+        let origin = from_origin::<K>(node, self.ray);
+        let (mask, bounds) = hit_mask::<K>(node, self.ray, origin, limit);
+        (self.origin, self.bounds) = (origin, bounds);
+        mask
+    }
+
+    /// Of the node that was asked last.
+    #[inline(always)]
+    pub fn depths<const K: usize>(&'a self, node: &'a Node, order: Order) -> Depths<'a> {
+        Depths {
+            boxes: self,
+            node,
+            order,
         }
     }
 
@@ -170,33 +220,50 @@ impl Entry {
     }
 }
 
+#[cfg(any(test, not(target_arch = "x86_64")))]
+impl Depths<'_> {
+    /// By the order; 0 for any.
+    #[inline(always)]
+    pub fn of<const K: usize>(&self, slot: usize) -> u32 {
+        let Depths { boxes, node, order } = *self;
+        match order {
+            Order::Any => 0,
+            Order::Entry => depth::<K>(node, boxes, slot),
+            Order::Face => boxes.along(boxes.face::<K>(node, slot), node),
+        }
+    }
+}
+
 /// Where the ray comes into the child's box, steps along the dominant axis, or a little before: 0 ..= 65535.
 ///
 /// Of three planes it passes the last: the box's face along the axis, and those across it, which lie as far along as they
 /// lie aside over the slope. That is cut off to a whole plane's step, and one more is taken off, since a triangle's depth is
 /// rounded, too.
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[cfg_attr(target_pointer_width = "32", inline(never))]
 #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
-fn depth<const K: usize>(node: &Node, entry: &Entry, slot: usize) -> u32 {
-    let mut plane = entry.face::<K>(node, slot);
+fn depth<const K: usize>(node: &Node, boxes: &OneByOne, slot: usize) -> u32 {
+    let mut plane = boxes.face::<K>(node, slot);
     for a in 0..2 {
-        let rise = &entry.across[a];
+        let rise = &boxes.across[a];
         let face = node.planes[(K + 1 + a) % 3][rise.face()][slot & 3] as i32;
-        if let Some(steps) = rise.steps((face << SLOPE_BITS) - entry.bounds[a]) {
+        if let Some(steps) = rise.steps((face << SLOPE_BITS) - boxes.bounds[a]) {
             // Up to 1.4 too few: one less, or three more where it is flipped.
-            plane = plane.max((steps - 1 - (entry.flip << 2)) ^ entry.flip);
+            plane = plane.max((steps - 1 - (boxes.flip << 2)) ^ boxes.flip);
         }
     }
-    entry.along(plane, node)
+    boxes.along(plane, node)
 }
 
 /// The node's origin along the dominant axis, seen from the ray's.
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[inline(always)]
 fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
     node.origin[K] as i32 - ray.plane
 }
 
 /// Bit i: the ray may meet child i before the limit. (Slots without a child may be set.)
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[inline(always)]
 fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32) -> (u32, [i32; 2]) {
     let e = node.exponent & 15;
@@ -220,6 +287,7 @@ fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32)
 }
 
 /// Which children reach into `from` ..= `to` along the dominant axis.
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[cfg_attr(narrow_mul, inline(never))]
 #[cfg_attr(not(narrow_mul), inline(always))]
 fn along<const K: usize>(planes: &Planes, from: i32, to: i32) -> u32 {
@@ -233,6 +301,7 @@ fn along<const K: usize>(planes: &Planes, from: i32, to: i32) -> u32 {
 }
 
 /// Which of `mask` the ray meets as seen along axis k + `A`.
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[inline(always)]
 fn across<const K: usize, const A: usize>(planes: &Planes, bound: i32, slope: i32, mask: u32) -> u32 {
     if slope < 0 {
@@ -242,6 +311,7 @@ fn across<const K: usize, const A: usize>(planes: &Planes, bound: i32, slope: i3
     }
 }
 
+#[cfg(any(test, not(target_arch = "x86_64")))]
 #[cfg_attr(narrow_mul, inline(never))]
 #[cfg_attr(not(narrow_mul), inline(always))]
 fn lateral<const K: usize, const A: usize, const N: bool>(

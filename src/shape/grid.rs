@@ -210,12 +210,12 @@ impl Slopes {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rise {
     /// 2^23 over the slope's size in Q13, which is 2^8 or more.
-    recip: u32,
+    pub(crate) recip: u32,
     /// The slope's size · 2^8: a way aside as far or farther is none within a node. 0 of slopes under 1/32, which move a ray
     /// by few planes within a node.
-    beyond: u32,
+    pub(crate) beyond: u32,
     /// All ones where the slope falls.
-    fall: i32,
+    pub(crate) fall: i32,
     /// Of a box's two faces, the one that the ray comes to first.
     face: u32,
 }
@@ -244,6 +244,7 @@ impl Rise {
     /// A way aside, Q13, over the slope; `None` where it is negative, or 256 or more.
     ///
     /// Up to 1.4 too few: what is after the point is cut off, of five bits less and a reciprocal of ten.
+    #[cfg(any(test, not(target_arch = "x86_64")))]
     #[inline(always)]
     pub fn steps(&self, aside: i32) -> Option<i32> {
         let aside = ((aside ^ self.fall) - self.fall) as u32;
@@ -262,7 +263,7 @@ pub struct GridRay {
     /// Q13, within ±2^13: steps across for a step along the (signed) axis.
     pub(crate) slopes: [i32; 2],
     /// What [`GridRay::across`] adds, Q13: slope · plane − where it starts across, + ½.
-    offsets: [i32; 2],
+    pub(crate) offsets: [i32; 2],
     pub(crate) negative: bool,
     pub(crate) axis: u8,
     shift: u8,

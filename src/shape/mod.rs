@@ -14,6 +14,8 @@ mod planar;
 pub mod polygon;
 mod sight;
 mod sphere;
+#[cfg(target_arch = "x86_64")]
+pub(crate) mod sse2;
 pub(crate) mod triangle;
 mod triangles;
 

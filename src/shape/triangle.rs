@@ -160,7 +160,7 @@ impl Edge {
 ///
 /// (It is: twice the area of a triangle in a square of side 2^16 − 1; or three numbers of at most 2^30.)
 #[inline(never)]
-fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [i32; 3]) -> Option<TriangleHit> {
+pub(super) fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [i32; 3]) -> Option<TriangleHit> {
     // n = det·2^up is normalised and 1/n = mantissa/2^63, so v·2^up·mantissa/2^32 is the share, Q31.
     let r = recip(u + v + w);
     let up = 63 - r.shift;
