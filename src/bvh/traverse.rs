@@ -268,7 +268,13 @@ fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
 fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32) -> (u32, [i32; 2]) {
     let e = node.exponent & 15;
     let (from, to) = if ray.negative { (-limit, 0) } else { (0, limit) };
-    let mask = along::<K>(&node.planes, (from - origin) >> e, (to - origin) >> e);
+    let (from, to) = ((from - origin) >> e, (to - origin) >> e);
+    // Most nodes lie between where the ray starts and its limit as a whole.
+    let mask = if from <= 0 && to >= 255 {
+        15
+    } else {
+        along::<K>(&node.planes, from, to)
+    };
     if mask == 0 {
         return (0, [0; 2]);
     }
