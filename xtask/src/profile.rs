@@ -16,9 +16,9 @@ pub struct Options {
     /// File for the rows: core, scene, pixels, rays, crc, stages, helpers, work
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
-    /// OBJ file whose primary rays are counted beside those of a torus knot
+    /// OBJ file whose primary rays are counted beside those of a torus knot; any number of times
     #[arg(long, value_name = "FILE")]
-    mesh: Option<PathBuf>,
+    mesh: Vec<PathBuf>,
 }
 
 pub(crate) const TITLE: &str = "## Where the instructions go";
@@ -48,8 +48,7 @@ pub fn run(options: &Options) -> Result<()> {
     let section = text(&Header::now(0)?, rows.as_array().context("no rows")?)?;
     println!("{section}");
     bench_host::put(TITLE, &section)?;
-    let mesh = options.mesh.as_deref().map(device::whole).transpose()?;
-    rays::run(mesh.as_deref())
+    rays::run(&options.mesh)
 }
 
 fn text(header: &Header, rows: &[Value]) -> Result<String> {

@@ -1,7 +1,8 @@
 //! What primary rays to a mesh in a room take: a section of `docs/performance.md`, which `profile` writes.
 
+use std::ffi::OsString;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 use serde_json::Value;
@@ -29,11 +30,11 @@ const FLOORS: [(&str, [(&str, u64); 4]); 3] = [
 ];
 
 /// Runs the emulator, prints the table and writes it.
-pub(crate) fn run(mesh: Option<&Path>) -> Result<()> {
+pub(crate) fn run(meshes: &[PathBuf]) -> Result<()> {
     let file = shell::target_dir().join("rays.json");
-    let mut words = vec!["rays".as_ref(), "--json".as_ref(), file.as_os_str()];
-    if let Some(mesh) = mesh {
-        words.extend(["--mesh".as_ref(), mesh.as_os_str()]);
+    let mut words: Vec<OsString> = vec!["rays".into(), "--json".into(), file.clone().into()];
+    for mesh in meshes {
+        words.extend(["--mesh".into(), device::whole(mesh)?.into()]);
     }
     device::emulate(&words)?;
     let rows: Value = serde_json::from_str(&std::fs::read_to_string(&file)?)?;

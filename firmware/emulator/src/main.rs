@@ -74,9 +74,9 @@ enum Command {
         /// File for the rows: core, scene, form, rays, mesh, whole, work
         #[arg(long)]
         json: PathBuf,
-        /// OBJ file to look at beside the torus knot
+        /// OBJ file to look at beside the torus knot; any number of times
         #[arg(long)]
-        mesh: Option<PathBuf>,
+        mesh: Vec<PathBuf>,
     },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
@@ -176,7 +176,7 @@ fn execute(command: Command) -> Result<()> {
         }),
         Command::Raystones { json } => raystones::run(&json),
         Command::Profile { json } => profile::run(&json),
-        Command::Rays { json, mesh } => rays::run(&json, mesh.as_deref()),
+        Command::Rays { json, mesh } => rays::run(&json, &mesh),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

@@ -1,6 +1,10 @@
 //! What primary rays to a mesh in a room take, and paths in the Cornell box, on three cores of QEMU's.
 
-use std::{collections::BTreeMap, fs, path::Path};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
 
 use anyhow::{Context, Result, anyhow, ensure};
 use firmware_bake::Room;
@@ -49,13 +53,13 @@ const CORES: [Core; 3] = [
 const FORMS: [&str; 2] = ["plain", "packed"];
 const PATHS: u32 = 4;
 
-/// Counts a torus knot's rays, and those of an OBJ file if one is named, and writes the rows.
-pub fn run(file: &Path, mesh: Option<&Path>) -> Result<()> {
+/// Counts a torus knot's rays, and those of OBJ files, and writes the rows.
+pub fn run(file: &Path, meshes: &[PathBuf]) -> Result<()> {
     let plugin = count::plugin()?;
     let mut rows = Vec::new();
     let room = Room::of_knot().map_err(|error| anyhow!("torus knot: {error}"))?;
     rows.extend(of_room("knot", &room, &plugin)?);
-    if let Some(mesh) = mesh {
+    for mesh in meshes {
         let text = fs::read_to_string(mesh).with_context(|| mesh.display().to_string())?;
         let room = Room::of_obj(&text).map_err(|error| anyhow!("{}: {error}", mesh.display()))?;
         let name = mesh.file_stem().context("the mesh's file has no name")?;
@@ -120,7 +124,7 @@ fn of_room(name: &str, room: &Room, plugin: &Path) -> Result<Vec<Value>> {
     Ok(rows)
 }
 
-fn build(core: &Core, image: &Path) -> Result<std::path::PathBuf> {
+fn build(core: &Core, image: &Path) -> Result<PathBuf> {
     let build = Build {
         package: "qemu",
         features: &[],
