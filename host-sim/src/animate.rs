@@ -142,7 +142,7 @@ pub fn animation(
     })
 }
 
-fn guides<'s>(
+pub(crate) fn guides<'s>(
     scene: &'s Scene<'s>,
     camera: Camera,
     width: u16,
@@ -156,8 +156,8 @@ fn guides<'s>(
     Renderer::new(scene, camera, Path::new(1), Independent::new(0), settings)
 }
 
-/// Where each pixel was, if the same thing was there.
-fn befores(
+/// Where each pixel was, pixels from the left and top, if the same thing was there.
+pub(crate) fn befores(
     before: Camera,
     now: Camera,
     [width, height]: [u16; 2],
@@ -177,22 +177,31 @@ fn befores(
     (0..features.len()).map(place).collect()
 }
 
-impl Shown {
-    /// The signal between four pixels' middles, 0 ..= 1.
-    fn at(&self, [x, y]: [f64; 2]) -> [f64; 3] {
-        let (x, y) = (x - 0.5, y - 0.5);
-        let mut sum = [0.0; 3];
-        for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let (tx, ty) = (x.floor() + dx, y.floor() + dy);
-            let share = (1.0 - (x - tx).abs()) * (1.0 - (y - ty).abs());
-            let column = tx.clamp(0.0, self.width as f64 - 1.0) as usize;
-            let row = ty.clamp(0.0, self.height as f64 - 1.0) as usize;
-            let pixel = self.rgb8[row * self.width + column];
-            for (sum, c) in sum.iter_mut().zip(pixel) {
-                *sum += share * f64::from(c) / 255.0;
-            }
+/// The value between four pixels' middles; beside the picture that of its edge.
+pub(crate) fn between(
+    [width, height]: [usize; 2],
+    [x, y]: [f64; 2],
+    pixel: impl Fn(usize) -> [f64; 3],
+) -> [f64; 3] {
+    let (x, y) = (x - 0.5, y - 0.5);
+    let mut sum = [0.0; 3];
+    for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+        let (tx, ty) = (x.floor() + dx, y.floor() + dy);
+        let share = (1.0 - (x - tx).abs()) * (1.0 - (y - ty).abs());
+        let column = tx.clamp(0.0, width as f64 - 1.0) as usize;
+        let row = ty.clamp(0.0, height as f64 - 1.0) as usize;
+        for (sum, c) in sum.iter_mut().zip(pixel(row * width + column)) {
+            *sum += share * c;
         }
-        sum
+    }
+    sum
+}
+
+impl Shown {
+    /// The signal there, 0 ..= 1.
+    fn at(&self, place: [f64; 2]) -> [f64; 3] {
+        let signal = |i: usize| self.rgb8[i].map(|c| f64::from(c) / 255.0);
+        between([self.width, self.height], place, signal)
     }
 }
 

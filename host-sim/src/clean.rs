@@ -68,6 +68,30 @@ impl Filter for Chosen<'_> {
     }
 }
 
+/// A filter, and how many frames each pixel's light was of when it last ran.
+struct Watched<'m> {
+    filter: Chosen<'m>,
+    lengths: Vec<u8>,
+}
+
+impl Filter for Watched<'_> {
+    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
+        self.lengths = lengths.to_vec();
+        self.filter.filter(size, frame, lengths, scratch);
+    }
+}
+
+/// What became of a frame.
+#[derive(Clone, Debug)]
+pub struct Cleaned {
+    /// At the size that is seen.
+    pub pixels: Vec<Radiance>,
+    /// Before the filter: the frame with the light of those before it.
+    pub gathered: Vec<Feature>,
+    /// How many frames that light is of, 1 to 8; empty where nothing is denoised.
+    pub lengths: Vec<u8>,
+}
+
 /// Everything a frame depends on but scene, camera and seed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Frames {
@@ -82,7 +106,7 @@ pub struct Frames {
 pub struct Sequence<'m> {
     frames: Frames,
     denoiser: Denoiser<'m>,
-    filter: Chosen<'m>,
+    filter: Watched<'m>,
     before: Option<Camera>,
 }
 
@@ -123,7 +147,10 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
     show(&mut Sequence {
         frames,
         denoiser,
-        filter,
+        filter: Watched {
+            filter,
+            lengths: Vec::new(),
+        },
         before: None,
     })
 }
@@ -176,7 +203,23 @@ impl Sequence<'_> {
         };
         let rows = self.denoiser.frame().par_chunks_mut(width).enumerate();
         let rays = rows.map(row).collect::<Option<Vec<u64>>>()?.iter().sum();
-        let (frame, light) = match self.frames.cleaning.denoise {
+        Some((self.finish(scene, camera).pixels, rays))
+    }
+
+    /// The same of a frame that was rendered already.
+    pub fn take(&mut self, scene: &Scene, camera: Camera, frame: &[Feature]) -> Cleaned {
+        self.denoiser.frame().copy_from_slice(frame);
+        self.finish(scene, camera)
+    }
+
+    /// A cut: the next frame has no history.
+    pub fn forget(&mut self) {
+        self.denoiser.forget();
+    }
+
+    fn finish(&mut self, scene: &Scene, camera: Camera) -> Cleaned {
+        let size = self.denoiser.size();
+        let (gathered, light) = match self.frames.cleaning.denoise {
             Denoise::Off => {
                 let frame = self.denoiser.frame().to_vec();
                 let light = frame.iter().map(|pixel| pixel.irradiance).collect();
@@ -191,35 +234,38 @@ impl Sequence<'_> {
         };
         let clean = Clean {
             size,
-            frame: &frame,
+            frame: &gathered,
             light: &light,
         };
-        let shown = self.show(scene, camera, &clean);
-        Some((shown, rays))
+        Cleaned {
+            pixels: show(self.frames, scene, camera, &clean),
+            lengths: self.filter.lengths.clone(),
+            gathered,
+        }
     }
+}
 
-    /// At the size that is seen, times the albedo.
-    fn show(&self, scene: &Scene, camera: Camera, clean: &Clean) -> Vec<Radiance> {
-        let Frames {
-            width,
-            height,
-            cleaning,
-            ..
-        } = self.frames;
-        let settings = Settings {
-            width: clean.size.width * cleaning.upscale as u16,
-            height: clean.size.height * cleaning.upscale as u16,
-            spp: 1,
+/// At the size that is seen, times the albedo.
+pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec<Radiance> {
+    let Frames {
+        width,
+        height,
+        cleaning,
+        ..
+    } = frames;
+    let settings = Settings {
+        width: clean.size.width * cleaning.upscale as u16,
+        height: clean.size.height * cleaning.upscale as u16,
+        spp: 1,
+    };
+    let sampler = Independent::<PcgRxsMXs32>::new(0);
+    let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
+    let row = |y: u16| {
+        let pixel = |x| match cleaning.upscale {
+            2 => clean.pixel_2x(x, y, &guides.guide(x, y)),
+            _ => clean.pixel(x, y),
         };
-        let sampler = Independent::<PcgRxsMXs32>::new(0);
-        let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
-        let row = |y: u16| {
-            let pixel = |x| match cleaning.upscale {
-                2 => clean.pixel_2x(x, y, &guides.guide(x, y)),
-                _ => clean.pixel(x, y),
-            };
-            (0..width).map(pixel).collect::<Vec<_>>()
-        };
-        (0..height).into_par_iter().flat_map_iter(row).collect()
-    }
+        (0..width).map(pixel).collect::<Vec<_>>()
+    };
+    (0..height).into_par_iter().flat_map_iter(row).collect()
 }

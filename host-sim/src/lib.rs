@@ -3,6 +3,7 @@
 pub use microlux_bake as bake;
 pub mod animate;
 pub mod builtin;
+pub mod classical;
 pub mod clean;
 pub mod cli;
 pub mod code;
@@ -13,6 +14,7 @@ pub mod expose;
 pub mod flash;
 pub mod import;
 pub mod metrics;
+pub mod oidn;
 pub mod picture;
 pub mod polygon;
 pub mod primary;

@@ -314,3 +314,140 @@ fn ctrl_c_leaves_nothing() {
     assert!(ends_with("no file was written\n").eval(&String::from_utf8_lossy(&output.stderr)));
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
+
+const TINY: [&str; 7] = [
+    "--denoisers",
+    "--width",
+    "16",
+    "--reference-spp",
+    "2",
+    "-o",
+    "out",
+];
+
+/// Without any program by the name of Open Image Denoise's.
+fn denoisers(folder: &TempDir, args: &[&str]) -> Command {
+    let mut program = report(folder, &["spheres"], &[&TINY[..], args].concat());
+    program.env("PATH", "/nowhere");
+    program
+}
+
+fn methods(part: &Value) -> Vec<&str> {
+    let methods = part["methods"].as_array().unwrap().iter();
+    methods.map(|entry| entry["method"].as_str().unwrap()).collect()
+}
+
+#[test]
+fn denoisers_stand_beside_each_other_and_the_missing_one_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    denoisers(&folder, &[])
+        .assert()
+        .success()
+        .stdout(contains("| ours |").and(contains("denoisers.md")));
+    let page = fs::read_to_string(folder.path().join("out/denoisers.html")).unwrap();
+    let allow = ParsingOptions {
+        allow_dtd: true,
+        ..ParsingOptions::default()
+    };
+    let document = Document::parse_with_options(&page, allow).unwrap();
+    no_reference_leaves(&document);
+    let paragraphs = texts(&document, "p");
+    let told = |what: &str| paragraphs.iter().any(|text| text.contains(what));
+    assert!(told("Open Image Denoise is not here") && told("Open Image Denoise was not trained"));
+    let numbers = json(&folder.path().join("out/denoisers.json"));
+    assert_eq!(numbers["oidn"], false);
+    assert!(numbers["domain"].as_str().unwrap().contains("held out"));
+    let parts = numbers["scenes"][0]["parts"].as_array().unwrap();
+    let kinds: Vec<&str> = parts.iter().map(|part| part["of"].as_str().unwrap()).collect();
+    let expected = [
+        "frame_1_spp",
+        "frame_4_spp",
+        "still_clip",
+        "moving_clip",
+        "twice_the_size",
+    ];
+    assert_eq!(kinds, expected);
+    assert_eq!(methods(&parts[0]), ["noisy", "atrous", "joint_bilateral", "ours"]);
+    assert_eq!(
+        methods(&parts[2]),
+        ["noisy", "atrous", "ours_without_history", "ours"]
+    );
+    for part in parts {
+        for method in part["methods"].as_array().unwrap() {
+            let frames = if part["of"].as_str().unwrap().ends_with("clip") {
+                8
+            } else {
+                1
+            };
+            assert_eq!(method["psnr_db"].as_array().unwrap().len(), frames);
+            assert_eq!(method["flicker"].is_number(), frames == 8);
+        }
+    }
+    // What is measured of a single frame is what clips begin with.
+    assert_eq!(
+        parts[0]["methods"][3]["flip"][0],
+        parts[2]["methods"][3]["flip"][0]
+    );
+    let checks = numbers["checks"].as_array().unwrap();
+    let of_oidn = |check: &&Value| check["what"].as_str().unwrap().contains("OIDN");
+    assert!(
+        checks
+            .iter()
+            .filter(of_oidn)
+            .all(|check| check["mark"] == "unjudged")
+    );
+    assert!(checks.iter().any(|check| check["mark"] != "unjudged"));
+}
+
+/// A program that gives back its input stands for the peer.
+#[cfg(unix)]
+#[test]
+fn the_peer_has_its_columns_where_it_is() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = tempfile::tempdir().unwrap();
+    let program = folder.path().join("oidnDenoise");
+    fs::write(
+        &program,
+        "#!/bin/sh\nfor last; do :; done\n/bin/cp \"$6\" \"$last\"\n",
+    )
+    .unwrap();
+    fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).unwrap();
+    denoisers(&folder, &["--oidn", ".", "-q"])
+        .assert()
+        .success()
+        .stdout(is_empty());
+    let numbers = json(&folder.path().join("out/denoisers.json"));
+    assert_eq!(numbers["oidn"], true);
+    let means = numbers["means"].as_array().unwrap();
+    let psnr = |of: usize, method: &str| named(&means[of]["methods"], "method", method)["psnr_db"].as_f64();
+    assert_eq!(psnr(0, "oidn_high"), psnr(0, "noisy"), "it changes nothing");
+    assert_eq!(psnr(3, "oidn_high"), psnr(3, "noisy"));
+    assert!(psnr(3, "oidn_high_on_history") > psnr(3, "noisy"));
+    assert_eq!(psnr(4, "oidn_high_full_size"), psnr(4, "noisy"));
+    assert!(
+        psnr(4, "oidn_high_joint_bilateral_upsampling").is_some() && psnr(4, "oidn_high_bilinear").is_some()
+    );
+    let checks = numbers["checks"].as_array().unwrap();
+    let judged = checks.iter().filter(|check| check["mark"] != "unjudged").count();
+    assert!(
+        judged >= checks.len() - 1,
+        "all but uncovered pixels, where there are few"
+    );
+    // And where it fails nothing is written.
+    fs::write(&program, "#!/bin/sh\necho no device >&2\nexit 1\n").unwrap();
+    fs::remove_dir_all(folder.path().join("out")).unwrap();
+    let told = denoisers(&folder, &["--oidn", "."]).assert().code(1);
+    told.stderr(ends_with("oidnDenoise: no device\n"));
+    assert!(!folder.path().join("out").exists());
+}
+
+#[test]
+fn what_does_not_belong_to_denoisers_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let told = denoisers(&folder, &["--oidn", "nothing"]).assert().code(1);
+    told.stderr(contains("pip install pyoidn"));
+    denoisers(&folder, &["--spp", "4"]).assert().code(2);
+    report(&folder, &["spheres"], &["--oidn", ".", "-o", "out"])
+        .assert()
+        .code(2);
+}

@@ -3,11 +3,11 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use anyhow::{Context, Result, anyhow, ensure};
+use anyhow::{Result, anyhow};
 use host_sim::metrics::Metrics;
-use host_sim::picture::{self, Format, Style};
+use host_sim::oidn::{Input, Oidn, Quality};
+use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
@@ -63,6 +63,8 @@ pub fn run(options: &Options) -> Result<()> {
     let (weights, biases) = export::rounded(&params)?;
     let weights = Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}"))?;
 
+    let oidn = options.oidn.as_deref().map(Oidn::at).transpose();
+    let oidn = oidn.map_err(|error| anyhow!(error))?;
     let mut text = String::new();
     for count in [1, 4] {
         let clamped: Vec<Picture> = validation.iter().map(|s| Picture::whole(s, 0, count)).collect();
@@ -114,8 +116,8 @@ pub fn run(options: &Options) -> Result<()> {
                 seen(Mode::Integer),
                 ours(weights, &untouched)?,
             ];
-            if let Some(oidn) = &options.oidn {
-                for quality in ["fast", "high"] {
+            if let Some(oidn) = &oidn {
+                for quality in [Quality::Fast, Quality::High] {
                     results.push(by_oidn(oidn, quality, &scene, &noisy)?);
                 }
             }
@@ -156,6 +158,11 @@ pub fn run(options: &Options) -> Result<()> {
             "--:|".repeat(methods.len())
         )?;
         writeln!(text, "{each}")?;
+        let [atrous, bilateral] = &tuned;
+        writeln!(
+            text,
+            "Guides (normal, distance, albedo, light): à-trous {atrous:?}, joint bilateral {bilateral:?}.\n"
+        )?;
     }
     fs::write(&options.out, &text)?;
     println!("{text}");
@@ -249,51 +256,14 @@ fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
 }
 
 /// By Open Image Denoise, with albedo and normals of the same few samples.
-fn by_oidn(oidn: &Path, quality: &str, scene: &Picture, noisy: &Rgb) -> Result<Rgb> {
-    let folder = std::env::temp_dir().join(format!("microlux-oidn-{}", std::process::id()));
-    fs::create_dir_all(&folder)?;
-    let file = |name: &str| folder.join(name);
-    for (name, pixels) in [
-        ("c.pfm", noisy),
-        ("a.pfm", &scene.albedo),
-        ("n.pfm", &scene.normal),
-    ] {
-        let bytes = Format::Pfm.encode(&picture_of(scene.width, pixels.clone()), &Style::default());
-        fs::write(file(name), bytes.map_err(|error| anyhow!(error))?)?;
-    }
-    let output = Command::new(oidn.join("bin/oidnDenoise"))
-        .env("LD_LIBRARY_PATH", oidn.join("lib"))
-        .args(["-d", "cpu", "-q", quality, "--hdr"])
-        .arg(file("c.pfm"))
-        .arg("--alb")
-        .arg(file("a.pfm"))
-        .arg("--nrm")
-        .arg(file("n.pfm"))
-        .arg("-o")
-        .arg(file("o.pfm"))
-        .output()
-        .with_context(|| format!("{}", oidn.display()))?;
-    ensure!(
-        output.status.success(),
-        "oidnDenoise: {}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    let out = read_pfm(&file("o.pfm"), scene.width)?;
-    fs::remove_dir_all(&folder)?;
-    Ok(out)
-}
-
-/// Portable float map: bottom row first, little end first.
-fn read_pfm(file: &Path, width: usize) -> Result<Rgb> {
-    let bytes = fs::read(file).with_context(|| format!("{}", file.display()))?;
-    let mut lines = bytes.splitn(4, |&b| b == b'\n');
-    let body = lines.nth(3).context("a header of three lines")?;
-    let floats: Vec<f32> = body
-        .chunks_exact(4)
-        .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]))
-        .collect();
-    let rows = floats.chunks_exact(3 * width).rev();
-    Ok(rows.flat_map(|row| row.as_chunks::<3>().0.to_vec()).collect())
+fn by_oidn(oidn: &Oidn, quality: Quality, scene: &Picture, noisy: &Rgb) -> Result<Rgb> {
+    let input = Input {
+        width: scene.width,
+        light: noisy,
+        albedo: &scene.albedo,
+        normal: &scene.normal,
+    };
+    oidn.denoise(quality, input).map_err(|error| anyhow!(error))
 }
 
 fn picture_of(width: usize, rgb: Rgb) -> picture::Picture {
@@ -308,8 +278,8 @@ fn picture_of(width: usize, rgb: Rgb) -> picture::Picture {
 /// PSNR (dB), SSIM and FLIP of sRGB signals of x / (1 + x).
 fn measure(width: usize, rgb: &Rgb, reference: &Rgb) -> Result<[f64; 3]> {
     let mapped = |rgb: &Rgb| {
-        let signals = rgb.iter().map(|p| p.map(|c| c.max(0.0) / (1.0 + c.max(0.0))));
-        picture_of(width, signals.collect())
+        let light = rgb.iter().map(|rgb| picture::compressed(*rgb));
+        picture_of(width, light.collect())
     };
     let metrics = Metrics::of(&mapped(rgb), &mapped(reference))?;
     Ok([metrics.psnr_db, metrics.ssim, metrics.flip])
@@ -322,10 +292,8 @@ fn strip(file: &Path, side: usize, pictures: &[Rgb]) -> Result<()> {
     for (x, y, pixel) in strip.enumerate_pixels_mut() {
         let (x, y) = (x as usize / scale, y as usize / scale);
         let rgb = pictures[x / side][y * side + x % side];
-        *pixel = image::Rgb(rgb.map(|c| {
-            let c = c.max(0.0);
-            (picture::srgb(f64::from(c / (1.0 + c))) * 255.0).round() as u8
-        }));
+        let light = picture::compressed(rgb);
+        *pixel = image::Rgb(light.map(|c| (picture::srgb(f64::from(c)) * 255.0).round() as u8));
     }
     Ok(strip.save(file)?)
 }

@@ -10,7 +10,7 @@ use super::progress::Meter;
 use super::render::settings;
 use super::{Failure, source, stop};
 use crate::animate::{Animation, Flight, Shown};
-use crate::picture::{FileError, Format, Picture, Style, Target};
+use crate::picture::{FileError, Format, Picture, Style, Target, animated_png};
 use crate::run::{self, Progress};
 
 pub fn animate(args: &AnimateArgs) -> Result<(), Failure> {
@@ -83,20 +83,9 @@ fn moving_png(path: &Path, frames: &[Shown], fps: u16) -> Result<(), Failure> {
     let Some(first) = frames.first() else {
         return Ok(());
     };
-    let failed = |error: png::EncodingError| Failure::Wrong(format!("{}: {error}", path.display()));
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, first.width as u32, first.height as u32);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
-    encoder.set_frame_delay(1, fps).map_err(failed)?;
-    let mut writer = encoder.write_header().map_err(failed)?;
-    for frame in frames {
-        writer
-            .write_image_data(frame.rgb8.as_flattened())
-            .map_err(failed)?;
-    }
-    writer.finish().map_err(failed)?;
+    let pictures = frames.iter().map(|frame| frame.rgb8.as_slice());
+    let bytes = animated_png([first.width, first.height], pictures, fps)
+        .map_err(|error| Failure::Wrong(format!("{}: {error}", path.display())))?;
     Ok(Target::check(path)?.write(&bytes)?)
 }
 

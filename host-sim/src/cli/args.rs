@@ -309,8 +309,15 @@ beyond the project's bars is marked, and an overview stands at the top.
 Pictures by Mitsuba are found as reference/NAME.exr beside a scene file NAME.xml, or as NAME.exr in --reference-dir. They \
 may be larger by a whole factor.
 
+With --denoisers the page is DIR/denoisers.html, about what is left of one to four samples a pixel: noisy, à-trous, joint \
+bilateral, the network and Open Image Denoise side by side, in single frames, clips and pictures of twice the size; \
+denoisers.json has the numbers, denoisers.md their means as tables. Open Image Denoise is its own program, oidnDenoise \
+(pip install pyoidn, the folder pyoidn/oidn of its site-packages); where it is not there the page says so.
+
 Examples:
   host-sim report -o report                    the built-in scenes, in a few minutes
+  host-sim report --denoisers --oidn venv/lib/python3.11/site-packages/pyoidn/oidn -o report
+                                               what the denoiser is worth
   host-sim report --quick -o report            a first look
   host-sim report scenes/*.xml --spp 64 --samplers stratified,sobol -o report";
 
@@ -327,13 +334,20 @@ pub struct ReportArgs {
     /// A first look: smaller pictures, fewer samples.
     #[arg(long)]
     pub quick: bool,
+    /// Compare what takes noise away, instead: denoisers.html, denoisers.json and denoisers.md.
+    #[arg(long, conflicts_with_all = ["spp", "integrators", "samplers", "reference_dir"])]
+    pub denoisers: bool,
+    /// Where oidnDenoise is: a folder with bin/oidnDenoise [default: looked for in PATH]
+    #[arg(long, value_name = "FOLDER", requires = "denoisers")]
+    pub oidn: Option<PathBuf>,
     /// Samples a pixel; the error is shown at every power of two up to this one [default: 16; 4 with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
     pub spp: Option<u32>,
-    /// Samples a pixel of the f64 reference, which is rendered twice to know its noise [default: 4 times --spp]
+    /// Samples a pixel of the f64 reference, which is rendered twice to know its noise [default: 4 times --spp]; of the
+    /// fixed-point one with --denoisers [default: 256; 32 with --quick]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
     pub reference_spp: Option<u32>,
-    /// Pixels across [default: the scene's, at most 128; 64 with --quick]
+    /// Pixels across [default: the scene's, at most 128, 64 with --quick; with --denoisers 80, 40 with --quick]
     #[arg(long, value_name = "W", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SIDE)))]
     pub width: Option<u32>,
     /// Integrators to look at [default: all]

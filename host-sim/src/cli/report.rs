@@ -11,8 +11,9 @@ use super::progress::Meter;
 use super::{Failure, source, stop};
 use crate::builtin;
 use crate::desc::{IntegratorKind, SamplerKind};
+use crate::oidn::Oidn;
 use crate::picture::{FileError, Target, read_exr};
-use crate::report::{self, Elsewhere, Report, Request, Subject};
+use crate::report::{self, Elsewhere, Request, Subject, denoisers};
 use crate::run::{self, Options};
 
 /// Names of the files in the folder of `-o`.
@@ -35,15 +36,27 @@ const QUICK: Defaults = Defaults { spp: 4, width: 64 };
 /// The reference has this many times the samples.
 const REFERENCE: u32 = 4;
 
+/// The same of the page about denoisers.
+const DENOISERS: [&str; 3] = ["denoisers.html", "denoisers.json", "denoisers.md"];
+
+/// Width and the reference's samples a pixel for it, and with --quick.
+const SMALL: [(u32, u32); 2] = [(80, 256), (40, 32)];
+
+/// The built-in scene that has nothing to take away: all of its light is 1.
+const EVEN: &str = "furnace";
+
 pub fn report(args: &ReportArgs) -> Result<(), Failure> {
-    let folder = Folder::check(&args.output)?;
+    if args.denoisers {
+        return denoisers(args);
+    }
+    let folder = Folder::check(&args.output, &[PAGE, NUMBERS])?;
     let request = request(args)?;
     let stop = stop::on_ctrl_c()?;
     let meter = Meter::new("report", args.quiet);
     let result = report::measure(&request, &meter, &stop);
     meter.finish();
     let report = result.map_err(|error| Failure::of_run("report", error))?;
-    nothing_at_all(&report)?;
+    nothing_at_all(report.skipped().collect(), report.scenes.len())?;
     let page = report::page(&report).map_err(|error| Failure::Wrong(format!("{PAGE}: {error}")))?;
     let numbers = format!("{:#}\n", report::json(&report));
     let [page_file, numbers_file] = folder.write([(PAGE, page.as_bytes()), (NUMBERS, numbers.as_bytes())])?;
@@ -61,25 +74,70 @@ pub fn report(args: &ReportArgs) -> Result<(), Failure> {
     Ok(())
 }
 
+fn denoisers(args: &ReportArgs) -> Result<(), Failure> {
+    let [page_name, numbers_name, tables_name] = DENOISERS;
+    let folder = Folder::check(&args.output, &DENOISERS)?;
+    let oidn = match &args.oidn {
+        Some(folder) => Some(Oidn::at(folder).map_err(Failure::Wrong)?),
+        None => Oidn::found(),
+    };
+    let (width, spp) = SMALL[usize::from(args.quick)];
+    let defaults = Defaults { spp, width };
+    let subject = |name: &String| {
+        let Subject { desc, options, .. } = subject(args, &defaults, name)?;
+        Ok(denoisers::Subject { desc, options })
+    };
+    let scenes = names(args, |name| name != EVEN);
+    let request = denoisers::Request {
+        scenes: scenes.iter().map(subject).collect::<Result<_, Failure>>()?,
+        reference_spp: args.reference_spp.unwrap_or(spp),
+        oidn,
+    };
+    let stop = stop::on_ctrl_c()?;
+    let meter = Meter::new("denoisers", args.quiet);
+    let result = denoisers::measure(&request, &meter, &stop);
+    meter.finish();
+    let report = result.map_err(|error| Failure::of_run("report", error))?;
+    nothing_at_all(report.skipped().collect(), report.scenes.len())?;
+    let page = denoisers::page(&report).map_err(|error| Failure::Wrong(format!("{page_name}: {error}")))?;
+    let numbers = format!("{:#}\n", denoisers::json(&report));
+    let tables = denoisers::markdown(&report);
+    let written = folder.write([
+        (page_name, page.as_bytes()),
+        (numbers_name, numbers.as_bytes()),
+        (tables_name, tables.as_bytes()),
+    ])?;
+    if !args.quiet {
+        let mut out = io::stdout().lock();
+        writeln!(out, "{tables}")?;
+        let [page, numbers, tables] = written.map(|file| file.display().to_string());
+        writeln!(out, "written to {page}, {numbers} and {tables}")?;
+    }
+    Ok(())
+}
+
 /// A report of one scene that cannot be rendered is no report.
-fn nothing_at_all(report: &Report) -> Result<(), Failure> {
-    let reasons: Vec<(&str, &str)> = report.skipped().collect();
+fn nothing_at_all(reasons: Vec<(&str, &str)>, scenes: usize) -> Result<(), Failure> {
     match reasons.first() {
-        Some((scene, reason)) if reasons.len() == report.scenes.len() => {
+        Some((scene, reason)) if reasons.len() == scenes => {
             Err(Failure::of_run(scene, run::Error::Scene(reason.to_string())))
         }
         _ => Ok(()),
     }
 }
 
+/// Scenes that were asked for, else all built-in ones that will do.
+fn names(args: &ReportArgs, will_do: impl Fn(&str) -> bool) -> Vec<String> {
+    if !args.scenes.is_empty() {
+        return args.scenes.clone();
+    }
+    let all = builtin::all().iter().map(|&(name, _)| name);
+    all.filter(|name| will_do(name)).map(String::from).collect()
+}
+
 fn request(args: &ReportArgs) -> Result<Request, Failure> {
     let defaults = if args.quick { QUICK } else { NORMAL };
-    let built_in = || builtin::all().iter().map(|&(name, _)| name.to_string()).collect();
-    let names: Vec<String> = if args.scenes.is_empty() {
-        built_in()
-    } else {
-        args.scenes.clone()
-    };
+    let names = names(args, |_| true);
     let scenes = names.iter().map(|name| subject(args, &defaults, name));
     let spp = args.spp.unwrap_or(defaults.spp);
     Ok(Request {
@@ -160,15 +218,16 @@ struct Folder(PathBuf);
 
 impl Folder {
     /// Looks whether it can be made and written into.
-    fn check(path: &Path) -> Result<Folder, Failure> {
+    fn check(path: &Path, names: &[&str]) -> Result<Folder, Failure> {
         let here = |folder: &&Path| folder.as_os_str().is_empty() || folder.exists();
         let there = path.ancestors().find(here).unwrap_or(path);
         if !there.as_os_str().is_empty() && !there.is_dir() {
             return Err(FileError::new(there, "is no directory; name one, it may be new").into());
         }
         if there == path {
-            Target::check(&path.join(PAGE))?;
-            Target::check(&path.join(NUMBERS))?;
+            for name in names {
+                Target::check(&path.join(name))?;
+            }
         } else {
             Target::check(&there.join(NEVER))?;
         }
@@ -209,20 +268,20 @@ mod tests {
     fn a_folder_may_be_new_but_no_file() {
         let folder = tempfile::tempdir().unwrap();
         let place = |name: &str| folder.path().join(name);
-        assert!(Folder::check(&place("new/and/deep")).is_ok());
+        assert!(Folder::check(&place("new/and/deep"), &[PAGE]).is_ok());
         assert!(!place("new").exists(), "checking leaves nothing behind");
         fs::write(place("file"), "").unwrap();
         for name in ["file", "file/deep"] {
-            assert!(Folder::check(&place(name)).is_err(), "{name}");
+            assert!(Folder::check(&place(name), &[PAGE]).is_err(), "{name}");
         }
-        let files = Folder::check(&place("new"))
+        let files = Folder::check(&place("new"), &[PAGE])
             .unwrap()
             .write([("a", b"1"), ("b", b"2")])
             .unwrap();
         assert_eq!(files.map(|file| fs::read(file).unwrap()), [b"1", b"2"]);
         fs::create_dir(place("new").join(PAGE)).unwrap();
         assert!(
-            Folder::check(&place("new")).is_err(),
+            Folder::check(&place("new"), &[PAGE]).is_err(),
             "a folder has the page's name"
         );
     }

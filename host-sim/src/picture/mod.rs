@@ -9,6 +9,8 @@ use std::path::Path;
 
 pub use self::exr::read as read_exr;
 pub use self::file::{FileError, Target};
+pub use self::pfm::decode as decode_pfm;
+pub use self::png::animated as animated_png;
 
 /// Linear light, row by row from the top left, beside what else was asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -118,6 +120,11 @@ pub fn srgb(linear: f64) -> f64 {
     } else {
         1.055 * x.powf(1.0 / 2.4) - 0.055
     }
+}
+
+/// Light without bound as light under 1: x / (1 + x), what is negative as 0.
+pub fn compressed(light: [f32; 3]) -> [f32; 3] {
+    light.map(|x| x.max(0.0) / (1.0 + x.max(0.0)))
 }
 
 /// The light that an sRGB signal stands for (IEC 61966-2-1), both 0..1.

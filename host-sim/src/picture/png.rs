@@ -15,6 +15,27 @@ pub fn encode(width: usize, height: usize, pixels: &[[u8; 3]]) -> Result<Vec<u8>
     Ok(bytes)
 }
 
+/// 8-bit RGB, picture after picture, again and again.
+pub fn animated<'a>(
+    [width, height]: [usize; 2],
+    frames: impl ExactSizeIterator<Item = &'a [[u8; 3]]>,
+    fps: u16,
+) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_animated(frames.len() as u32, 0)?;
+    encoder.set_frame_delay(1, fps)?;
+    let mut writer = encoder.write_header()?;
+    for frame in frames {
+        writer.write_image_data(frame.as_flattened())?;
+    }
+    writer.finish()?;
+    Ok(bytes)
+}
+
 #[cfg(test)]
 mod tests {
     #[test]

@@ -364,7 +364,7 @@ fn stops(picture: &Picture) -> f64 {
 }
 
 impl Shot {
-    fn of(picture: &Picture, stops: f64) -> Shot {
+    pub(super) fn of(picture: &Picture, stops: f64) -> Shot {
         Shot {
             width: picture.width,
             height: picture.height,

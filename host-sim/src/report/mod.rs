@@ -3,6 +3,7 @@
 //! [`measure`] renders and takes the numbers, `bar` judges them, `json` and `page` write them down.
 
 mod bar;
+pub mod denoisers;
 mod group;
 mod json;
 mod measure;

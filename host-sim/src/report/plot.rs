@@ -34,20 +34,32 @@ fn themed(svg: &str) -> String {
     text
 }
 
-/// A logarithmic axis with given ticks.
-struct Log {
+/// An axis with given ticks.
+struct Axis {
     low: f64,
     high: f64,
     ticks: Vec<f64>,
+    scale: Scale,
 }
 
-impl Log {
+#[derive(Clone, Copy, PartialEq)]
+enum Scale {
+    /// Equal factors are equal distances.
+    Log,
+    /// Equal differences are.
+    Even,
+}
+
+impl Axis {
     fn place(&self, value: f64) -> f64 {
-        (value / self.low).ln() / (self.high / self.low).ln()
+        match self.scale {
+            Scale::Log => (value / self.low).ln() / (self.high / self.low).ln(),
+            Scale::Even => (value - self.low) / (self.high - self.low),
+        }
     }
 }
 
-impl Ranged for Log {
+impl Ranged for Axis {
     type FormatOption = DefaultFormatting;
     type ValueType = f64;
 
@@ -119,15 +131,17 @@ pub fn bounds<'a>(curves: impl IntoIterator<Item = &'a Curve<'a>>) -> Option<(f6
 
 /// RMSE against samples a pixel, both logarithmic; the dashed line falls as independent samples do, by n^-1/2.
 pub fn convergence(curves: &[Curve], spp: u32, (low, high): (f64, f64)) -> String {
-    let x = Log {
+    let x = Axis {
         low: 0.9,
         high: f64::from(spp.max(2)) * 1.12,
         ticks: doublings(spp.max(2)),
+        scale: Scale::Log,
     };
-    let y = Log {
+    let y = Axis {
         low,
         high,
         ticks: decimal_ticks(low, high),
+        scale: Scale::Log,
     };
     let mut lines = vec![Line {
         points: guide(curves, spp, low),
@@ -140,6 +154,42 @@ pub fn convergence(curves: &[Curve], spp: u32, (low, high): (f64, f64)) -> Strin
         kind: Kind::Dotted,
     }));
     drawn(x, y, ["samples a pixel", "RMSE"], lines)
+}
+
+/// What is measured of each frame of a clip, by the number of the curve's colour.
+pub fn frames(curves: &[(usize, Vec<f64>)], name: &str) -> String {
+    let values = || curves.iter().flat_map(|(_, values)| values.iter().copied());
+    let (low, high) = values().fold((f64::INFINITY, 0.0f64), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
+    if low > high {
+        return String::new();
+    }
+    let (low, high) = (low.floor() - 1.0, high.ceil() + 1.0);
+    let every = ((high - low) / 6.0).ceil().max(1.0);
+    let ticks = (1..)
+        .map(|i| low + f64::from(i) * every)
+        .take_while(|y| *y < high);
+    let y = Axis {
+        low,
+        high,
+        ticks: ticks.collect(),
+        scale: Scale::Even,
+    };
+    let count = curves.iter().map(|(_, values)| values.len()).max().unwrap_or(1);
+    let numbers: Vec<f64> = (1..=count).map(|number| number as f64).collect();
+    let x = Axis {
+        low: 0.7,
+        high: count as f64 + 0.3,
+        ticks: numbers.clone(),
+        scale: Scale::Even,
+    };
+    let lines = curves.iter().map(|(colour, values)| Line {
+        points: numbers.iter().copied().zip(values.iter().copied()).collect(),
+        colour: curve_colour(*colour),
+        kind: Kind::Dotted,
+    });
+    drawn(x, y, ["frame", name], lines)
 }
 
 /// Through the worst of the first points, n^-1/2, as far as the plot goes.
@@ -175,15 +225,17 @@ pub fn hit_points(all: &Percentiles, away: &Percentiles) -> String {
         .map(|p| p.1)
         .fold(bar::HIT_P9999, f64::max);
     let (low, high) = (least / 3.0, most * 3.0);
-    let x = Log {
+    let x = Axis {
         low: 1.6,
         high: 1.7e4,
         ticks: vec![2.0, 10.0, 100.0, 1e3, 1e4],
+        scale: Scale::Log,
     };
-    let y = Log {
+    let y = Axis {
         low,
         high,
         ticks: decimal_ticks(low, high),
+        scale: Scale::Log,
     };
     let bars = [(100.0, bar::HIT_P99), (1e4, bar::HIT_P9999)].map(|(rank, bar)| Line {
         points: vec![(rank / 1.6, bar), (rank * 1.6, bar)],
@@ -221,7 +273,7 @@ enum Kind {
 }
 
 /// Lines between axes with names (below, to the left). Empty where drawing fails, which into memory it does not.
-fn drawn(x: Log, y: Log, names: [&str; 2], lines: impl IntoIterator<Item = Line>) -> String {
+fn drawn(x: Axis, y: Axis, names: [&str; 2], lines: impl IntoIterator<Item = Line>) -> String {
     let mut svg = String::new();
     match draw(&mut svg, x, y, names, lines) {
         Ok(()) => themed(&svg),
@@ -231,8 +283,8 @@ fn drawn(x: Log, y: Log, names: [&str; 2], lines: impl IntoIterator<Item = Line>
 
 fn draw(
     svg: &mut String,
-    x: Log,
-    y: Log,
+    x: Axis,
+    y: Axis,
     [below, left]: [&str; 2],
     lines: impl IntoIterator<Item = Line>,
 ) -> Result<(), Box<dyn std::error::Error>> {
@@ -318,13 +370,16 @@ mod tests {
 
     #[test]
     fn equal_factors_are_equal_distances() {
-        let axis = Log {
+        let mut axis = Axis {
             low: 1.0,
             high: 10_000.0,
             ticks: vec![],
+            scale: Scale::Log,
         };
         let places = [1.0, 10.0, 100.0, 10_000.0].map(|x| axis.map(&x, (100, 500)));
         assert_eq!(places, [100, 200, 300, 500]);
+        (axis.high, axis.scale) = (5.0, Scale::Even);
+        assert_eq!([1.0, 2.0, 5.0].map(|x| axis.map(&x, (100, 500))), [100, 200, 500]);
     }
 
     #[test]
@@ -350,6 +405,23 @@ mod tests {
                 && svg.contains("var(--curve-3)")
                 && !svg.contains("var(--curve-1)")
         );
+    }
+
+    #[test]
+    fn frames_are_numbered_from_one() {
+        let svg = frames(&[(0, vec![21.5, 23.0, 24.25]), (2, vec![30.0; 3])], "PSNR, dB");
+        let document = roxmltree::Document::parse(&svg).unwrap();
+        let circles = document.descendants().filter(|node| node.has_tag_name("circle"));
+        assert_eq!(circles.count(), 6);
+        let texts: Vec<&str> = document
+            .descendants()
+            .filter_map(|node| node.text())
+            .map(str::trim)
+            .collect();
+        for label in ["1", "2", "3", "22", "30", "frame", "PSNR, dB"] {
+            assert!(texts.contains(&label), "{label}: {texts:?}");
+        }
+        assert_eq!(frames(&[], ""), "");
     }
 
     #[test]

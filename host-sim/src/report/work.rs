@@ -19,15 +19,26 @@ pub struct Work<'a> {
 
 impl<'a> Work<'a> {
     pub fn new(request: &Request, groups: usize, out: &'a dyn Progress) -> Work<'a> {
+        let scenes = request.scenes.iter();
+        Work::of(
+            scenes.map(|subject| of_scene(request, subject, groups)).sum(),
+            out,
+        )
+    }
+
+    /// So many samples.
+    pub fn of(total: usize, out: &'a dyn Progress) -> Work<'a> {
         Work {
             out,
-            total: request
-                .scenes
-                .iter()
-                .map(|subject| of_scene(request, subject, groups))
-                .sum(),
+            total,
             done: AtomicUsize::new(0),
         }
+    }
+
+    /// Counts so many more as done.
+    pub fn add(&self, size: usize) {
+        let done = self.done.fetch_add(size, Ordering::Relaxed) + size;
+        self.out.advance(done, self.total, 0);
     }
 
     /// A piece of the work; it counts as done when it is dropped.
@@ -49,9 +60,13 @@ impl<'a> Work<'a> {
 
     /// Counts a scene of which `began` was done before as done, whatever was left out of it.
     pub fn skip_rest(&self, request: &Request, subject: &Subject, groups: usize, began: usize) {
-        self.done
-            .store(began + of_scene(request, subject, groups), Ordering::Relaxed);
-        self.out.advance(self.done(), self.total, 0);
+        self.skip_to(began + of_scene(request, subject, groups));
+    }
+
+    /// Counts all up to here as done.
+    pub fn skip_to(&self, done: usize) {
+        self.done.store(done, Ordering::Relaxed);
+        self.out.advance(done, self.total, 0);
     }
 
     pub fn done(&self) -> usize {

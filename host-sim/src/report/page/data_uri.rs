@@ -6,6 +6,7 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 
+use crate::picture::animated_png;
 use crate::report::Shot;
 
 /// Pictures of more pixels become JPEG: noise does not compress without loss.
@@ -18,6 +19,18 @@ pub fn data_uri(shot: &Shot) -> String {
     let kind = if large { "jpeg" } else { "png" };
     match encoded(shot, large) {
         Ok(bytes) => format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)),
+        Err(_) => String::new(),
+    }
+}
+
+/// The pictures one after another, as a `data:` address of a picture that moves.
+pub fn animated_uri(shots: &[Shot], fps: u16) -> String {
+    let Some(first) = shots.first() else {
+        return String::new();
+    };
+    let frames = shots.iter().map(|shot| shot.pixels.as_slice());
+    match animated_png([first.width, first.height], frames, fps) {
+        Ok(bytes) => format!("data:image/png;base64,{}", STANDARD.encode(bytes)),
         Err(_) => String::new(),
     }
 }

@@ -1,8 +1,8 @@
 //! The page: one file of HTML that is well-formed XML too, with all it needs inside.
 
 mod curves;
-mod data_uri;
-mod figure;
+pub(super) mod data_uri;
+pub(super) mod figure;
 mod judged;
 mod overview;
 mod scene;
