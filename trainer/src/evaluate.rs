@@ -176,8 +176,8 @@ fn radiance(shot: &Shot, count: usize) -> Rgb {
         .map(|samples| {
             let mut sum = [0.0; 3];
             for s in &samples[..count] {
-                for c in 0..3 {
-                    sum[c] += s.radiance[c].to_f32() / count as f32;
+                for (sum, light) in sum.iter_mut().zip(s.radiance) {
+                    *sum += light.to_f32() / count as f32;
                 }
             }
             sum
