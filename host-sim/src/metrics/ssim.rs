@@ -44,7 +44,7 @@ mod tests {
 
     fn checks(width: usize, height: usize, low: f64, high: f64) -> Vec<f64> {
         let value = |i: usize| {
-            if (i % width + i / width) % 2 == 0 {
+            if (i % width + i / width).is_multiple_of(2) {
                 low
             } else {
                 high

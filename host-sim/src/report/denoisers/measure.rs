@@ -427,7 +427,13 @@ mod tests {
     #[test]
     fn the_reference_s_own_noise_is_known_from_its_halves() {
         let half = |sign: f64| -> Signals {
-            let noise = |i: usize| if i % 2 == 0 { sign * 0.02 } else { -sign * 0.02 };
+            let noise = |i: usize| {
+                if i.is_multiple_of(2) {
+                    sign * 0.02
+                } else {
+                    -sign * 0.02
+                }
+            };
             (0..64).map(|i| [0.5 + noise(i); 3]).collect()
         };
         // Halves that are off by 0.02 each have a mean that is off by 0.02/√2.
