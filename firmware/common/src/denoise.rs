@@ -115,7 +115,7 @@ impl Case {
 }
 
 /// A frame's camera: to the right by so many 64ths of its height above the floor, looking the same way.
-fn moved(camera: Camera, frame: u32) -> Camera {
+pub(crate) fn moved(camera: Camera, frame: u32) -> Camera {
     let Point([x, y, z]) = camera.origin();
     let aside = (y.abs() / 64).wrapping_mul(frame as i32);
     let [Dir(right), ..] = camera.frame();

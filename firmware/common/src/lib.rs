@@ -6,6 +6,8 @@
 #![no_std]
 
 #[cfg(feature = "roomy")]
+pub mod cost;
+#[cfg(feature = "roomy")]
 pub mod denoise;
 mod edges;
 mod flags;

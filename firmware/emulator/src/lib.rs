@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod count;
+pub mod denoiser;
 pub mod identity;
 pub mod machine;
 pub mod pico;

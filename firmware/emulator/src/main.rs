@@ -1,11 +1,11 @@
-//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator profile`, `emulator rays`, `emulator raystones`, `emulator size`, `emulator faults`.
+//! `emulator bench`, `emulator run`, `emulator identity`, `emulator count`, `emulator profile`, `emulator rays`, `emulator denoiser`, `emulator raystones`, `emulator size`, `emulator faults`.
 
 use std::{path::PathBuf, process::ExitCode};
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand, ValueEnum, builder::PossibleValuesParser};
 use emulator::{
-    bench, count, identity,
+    bench, count, denoiser, identity,
     machine::Machine,
     pico::{self, Screen},
     profile, rays, raystones, size,
@@ -77,6 +77,12 @@ enum Command {
         /// OBJ file to look at beside the torus knot; any number of times
         #[arg(long)]
         mesh: Vec<PathBuf>,
+    },
+    /// Counts what each stage of the denoiser takes on four cores
+    Denoiser {
+        /// File for the rows: core, pixels, crc, stages
+        #[arg(long)]
+        json: PathBuf,
     },
     /// Builds every board's firmware and prints the flash and RAM it takes
     Size,
@@ -177,6 +183,7 @@ fn execute(command: Command) -> Result<()> {
         Command::Raystones { json } => raystones::run(&json),
         Command::Profile { json } => profile::run(&json),
         Command::Rays { json, mesh } => rays::run(&json, &mesh),
+        Command::Denoiser { json } => denoiser::run(&json),
         Command::Size => size::table(),
         Command::Faults => pico::faults(),
         Command::Identity { machine } => identity::check(if machine.is_empty() {

@@ -1,0 +1,208 @@
+//! What each stage of the denoiser takes, on a frame as large as a Pico's: a [`region`] each.
+
+use microlux::{
+    color::{Radiance, Rgb9e5},
+    film::Feature,
+    film::denoise::network::{Input, Needs, Network, Scratch, TRAINED, irradiance},
+    film::denoise::{self, Atrous, Band, Clean, Filter, Past, Size, accumulate},
+    integrator::Path,
+    num::Crc,
+    render::{Motion, Renderer, Settings},
+    sampler::Sobol,
+    scene::builtin::Builtin,
+};
+
+use crate::{denoise::moved, region};
+
+/// Of the frame that is rendered.
+pub const SIZE: Size = Size {
+    width: 80,
+    height: 60,
+};
+const PIXELS: usize = SIZE.pixels();
+const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
+
+/// Stages by the number of their region.
+pub const STAGES: [&str; 8] = [
+    "firefly clamp, history",
+    "à-trous, 4 steps",
+    "à-trous, 5 steps",
+    "network, extraction",
+    "network, filter",
+    "twice the size",
+    "first hits for that",
+    "rendering, 1 sample",
+];
+
+/// Memory for the second of two frames, and for what becomes of it.
+struct Room {
+    frames: [[Feature; PIXELS]; 2],
+    lengths: [[u8; PIXELS]; 2],
+    rows: [[Rgb9e5; SIZE.width as usize]; 2],
+    bytes: [u8; NEEDS.bytes],
+    words: [u32; NEEDS.words],
+    light: [[u16; 3]; NEEDS.light],
+    irradiance: [[u16; 3]; PIXELS],
+    guides: [Feature; 4 * PIXELS],
+    shown: [Radiance; 4 * PIXELS],
+}
+
+/// Renders two frames of a scene between which the camera moves, one sample a pixel, and does with the second what there is
+/// to do; answers with a CRC-32 of all that comes of it.
+#[inline(never)]
+pub fn run(scene: Builtin) -> u32 {
+    let mut room = Room {
+        frames: [[Feature::default(); PIXELS]; 2],
+        lengths: [[0; PIXELS]; 2],
+        rows: [[Rgb9e5::BLACK; SIZE.width as usize]; 2],
+        bytes: [0; NEEDS.bytes],
+        words: [0; NEEDS.words],
+        light: [[0; 3]; NEEDS.light],
+        irradiance: [[0; 3]; PIXELS],
+        guides: [Feature::default(); 4 * PIXELS],
+        shown: [Radiance::BLACK; 4 * PIXELS],
+    };
+    fill(scene, &mut room).unwrap_or(0)
+}
+
+#[inline(never)]
+fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
+    let Room {
+        frames: [before, now],
+        lengths: [lengths_before, lengths],
+        rows: [above, current],
+        guides,
+        ..
+    } = room;
+    scene
+        .with(|scene, camera| {
+            let cameras = [camera, moved(camera, 1)];
+            let settings = Settings {
+                width: SIZE.width,
+                height: SIZE.height,
+                spp: 1,
+            };
+            let render = |frame: &mut [Feature], number: usize| {
+                let sampler = Sobol::new(number as u32 + 1);
+                let mut renderer = Renderer::new(scene, cameras[number], Path::direct(), sampler, settings);
+                if let Some(area) = renderer.area(0, PIXELS as u32) {
+                    renderer.feature_tile(area, frame);
+                }
+            };
+            render(before, 0);
+            region::count(7, || render(now, 1));
+            let fine = Settings {
+                width: 2 * SIZE.width,
+                height: 2 * SIZE.height,
+                ..settings
+            };
+            let renderer = Renderer::new(scene, cameras[1], Path::direct(), Sobol::new(1), fine);
+            region::count(6, || {
+                for (i, guide) in guides.iter_mut().enumerate() {
+                    let (x, y) = place(i, fine.width);
+                    *guide = renderer.guide(x, y);
+                }
+            });
+            let motion = Motion::between(cameras[0], cameras[1], SIZE.width, SIZE.height);
+            accumulate::<Motion>(band(before, lengths_before, above, current), None, 0);
+            let past = Past {
+                frame: &before[..],
+                lengths: &lengths_before[..],
+                motion: &motion,
+            };
+            region::count(0, || {
+                accumulate(band(now, lengths, above, current), Some(&past), 1)
+            });
+        })
+        .ok()?;
+    Some(clean(room))
+}
+
+/// All of a frame.
+fn band<'a>(
+    rows: &'a mut [Feature],
+    lengths: &'a mut [u8],
+    above: &'a mut [Rgb9e5],
+    current: &'a mut [Rgb9e5],
+) -> Band<'a> {
+    Band {
+        size: SIZE,
+        first: 0,
+        rows,
+        lengths,
+        above,
+        current,
+        below: &[],
+    }
+}
+
+/// From the frame with its history on.
+fn clean(room: &mut Room) -> u32 {
+    let Room {
+        frames: [before, now],
+        lengths: [_, lengths],
+        bytes,
+        words,
+        light: room_light,
+        irradiance: own,
+        guides,
+        shown,
+        ..
+    } = room;
+    let mut crc = Crc::new();
+    for (number, spp) in [(2, 4), (1, 1)] {
+        let mut atrous = Atrous::for_spp(spp);
+        region::count(number, || {
+            atrous.filter(SIZE, now, lengths, denoise::Scratch::over(before))
+        });
+        for light in denoise::Scratch::over(before).light.iter() {
+            crc.word(light.0);
+        }
+    }
+    let light = denoise::Scratch::over(before).light;
+    region::count(5, || {
+        let clean = Clean {
+            size: SIZE,
+            frame: now,
+            light,
+        };
+        for (i, (shown, guide)) in shown.iter_mut().zip(&*guides).enumerate() {
+            let (x, y) = place(i, 2 * SIZE.width);
+            *shown = clean.pixel_2x(x, y, guide);
+        }
+    });
+    for light in shown {
+        let (mantissas, exponent) = light.to_parts();
+        for half in mantissas {
+            crc.bytes(&half.to_le_bytes());
+        }
+        crc.bytes(&exponent.to_le_bytes());
+    }
+    let scratch = Scratch {
+        bytes,
+        words,
+        light: room_light,
+    };
+    let (width, height) = (SIZE.width.into(), SIZE.height.into());
+    let Ok(mut network) = Network::new(TRAINED, width, height, scratch) else {
+        return 0;
+    };
+    region::count(3, || {
+        network.extract(|at| Input::new(&now[at], lengths[at].into()));
+    });
+    let done = region::count(4, || {
+        for (light, pixel) in own.iter_mut().zip(&*now) {
+            *light = irradiance(pixel);
+        }
+        network.filter(own, |_, row| {
+            for light in row {
+                crc.word(Rgb9e5::from_bits(light.map(u32::from), -12).0);
+            }
+        })
+    });
+    done.map_or(0, |()| crc.value())
+}
+
+fn place(number: usize, width: u16) -> (u16, u16) {
+    ((number % width as usize) as u16, (number / width as usize) as u16)
+}
