@@ -4,7 +4,7 @@ use microlux::camera::Camera;
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::network::{self, Needs, Neural, TRAINED};
-use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Scratch, Size};
+use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Scratch, Size};
 use microlux::integrator::{Integrator, Path};
 use microlux::render::{Motion, Renderer, Settings};
 use microlux::sampler::{Independent, PcgRxsMXs32, Sampler};
@@ -59,11 +59,11 @@ enum Chosen<'m> {
 }
 
 impl Filter for Chosen<'_> {
-    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
+    fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
         match self {
-            Chosen::Off(off) => off.filter(size, frame, lengths, scratch),
-            Chosen::Atrous(atrous) => atrous.filter(size, frame, lengths, scratch),
-            Chosen::Neural(neural) => neural.filter(size, frame, lengths, scratch),
+            Chosen::Off(off) => off.filter(pair, size, frame, lengths, scratch),
+            Chosen::Atrous(atrous) => atrous.filter(pair, size, frame, lengths, scratch),
+            Chosen::Neural(neural) => neural.filter(pair, size, frame, lengths, scratch),
         }
     }
 }
@@ -75,9 +75,9 @@ struct Watched<'m> {
 }
 
 impl Filter for Watched<'_> {
-    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
+    fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
         self.lengths = lengths.to_vec();
-        self.filter.filter(size, frame, lengths, scratch);
+        self.filter.filter(pair, size, frame, lengths, scratch);
     }
 }
 
@@ -90,6 +90,15 @@ pub struct Cleaned {
     pub gathered: Vec<Feature>,
     /// How many frames that light is of, 1 to 8; empty where nothing is denoised.
     pub lengths: Vec<u8>,
+}
+
+/// Two of rayon's threads.
+struct Threads;
+
+impl Pair for Threads {
+    fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+        rayon::join(one, other);
+    }
 }
 
 /// Everything a frame depends on but scene, camera and seed.
@@ -116,7 +125,7 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
     let count = size.pixels();
     let mut pixels = [vec![Feature::default(); count], vec![Feature::default(); count]];
     let mut lengths = [vec![0; count], vec![0; count]];
-    let mut rows = vec![Rgb9e5::BLACK; 2 * usize::from(size.width)];
+    let mut rows = vec![Rgb9e5::BLACK; ROWS * usize::from(size.width)];
     let [now, before] = &mut pixels;
     let [lengths_now, lengths_before] = &mut lengths;
     let memory = Memory {
@@ -228,7 +237,9 @@ impl Sequence<'_> {
             Denoise::Atrous | Denoise::Neural => {
                 let before = self.before.replace(camera).unwrap_or(camera);
                 let motion = Motion::between(before, camera, size.width, size.height);
-                let clean = self.denoiser.denoise(Some(&motion), &mut self.filter);
+                let clean = self
+                    .denoiser
+                    .denoise_by(&Threads, Some(&motion), &mut self.filter);
                 (clean.frame.to_vec(), clean.light.to_vec())
             }
         };

@@ -1,9 +1,9 @@
-use crate::{Random, Shift, value, with_denoiser};
+use crate::{Backwards, Random, Shift, Threads, value, with_denoiser};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{
-    Atrous, Band, Before, Denoiser, Memory, Off, Past, Reproject, Size, TooShort, Whole, accumulate, beside,
-    upsample,
+    Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Size, TooShort, Whole,
+    accumulate, beside, upsample,
 };
 use microlux::film::feature::ID_NOTHING;
 use microlux::geom::Octahedral;
@@ -289,6 +289,35 @@ fn bands_of_any_height_are_the_same_picture() {
     });
 }
 
+/// Frames with history, by each pair of workers.
+fn by(pair: &impl Pair, size: Size, filter: &mut impl Filter) -> Vec<Rgb9e5> {
+    let mut random = Random(11);
+    let mut seen = Vec::new();
+    with_denoiser(size, |denoiser| {
+        for _ in 0..3 {
+            for pixel in denoiser.frame() {
+                *pixel = scene(&mut random, 5)[random.below(SIZE.pixels() as u32) as usize];
+            }
+            let clean = denoiser.denoise_by(pair, Some(&Shift([3, -20])), filter);
+            seen.extend_from_slice(clean.light);
+            seen.extend(clean.frame.iter().map(|pixel| pixel.irradiance));
+        }
+    });
+    seen
+}
+
+#[test]
+fn two_workers_make_the_same_picture() {
+    for (width, height) in [(9, 8), (9, 7), (1, 1), (5, 2), (3, 1), (0, 3), (3, 0)] {
+        let size = Size { width, height };
+        for spp in [1, 4] {
+            let alone = by(&Alone, size, &mut Atrous::for_spp(spp));
+            assert_eq!(alone, by(&Threads, size, &mut Atrous::for_spp(spp)), "{size:?}");
+            assert_eq!(alone, by(&Backwards, size, &mut Atrous::for_spp(spp)), "{size:?}");
+        }
+    }
+}
+
 #[test]
 fn anything_at_all_goes_through() {
     let mut random = Random(7);
@@ -342,15 +371,15 @@ fn memory_that_is_too_short_is_named() {
         };
         Denoiser::new(size, memory).map(|_| ())
     };
-    assert_eq!(told([12, 12, 12, 12, 8]), Ok(()));
+    assert_eq!(told([12, 12, 12, 12, 20]), Ok(()));
     let short = |slice, needed| Err(TooShort { slice, needed });
-    assert_eq!(told([11, 12, 12, 12, 8]), short("frames[0]", 12));
-    assert_eq!(told([12, 11, 12, 12, 8]), short("frames[1]", 12));
-    assert_eq!(told([12, 12, 11, 12, 8]), short("lengths[0]", 12));
+    assert_eq!(told([11, 12, 12, 12, 20]), short("frames[0]", 12));
+    assert_eq!(told([12, 11, 12, 12, 20]), short("frames[1]", 12));
+    assert_eq!(told([12, 12, 11, 12, 20]), short("lengths[0]", 12));
     assert_eq!(told([12, 12, 12, 11, 8]), short("lengths[1]", 12));
-    assert_eq!(told([12, 12, 12, 12, 7]), short("rows", 8));
-    let text = told([12, 12, 12, 12, 7]).unwrap_err().to_string();
-    assert_eq!(text, "`rows` is too short: 8 are needed");
+    assert_eq!(told([12, 12, 12, 12, 19]), short("rows", 20));
+    let text = told([12, 12, 12, 12, 19]).unwrap_err().to_string();
+    assert_eq!(text, "`rows` is too short: 20 are needed");
 }
 
 /// Noise that a filter may take away, across an edge that it may not.

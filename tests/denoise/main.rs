@@ -9,7 +9,7 @@ mod twin;
 
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
-use microlux::film::denoise::{Before, Denoiser, Memory, Reproject, Size};
+use microlux::film::denoise::{Before, Denoiser, Memory, Pair, ROWS, Reproject, Size};
 
 fn value(light: Radiance) -> [f64; 3] {
     let (m, e) = light.to_parts();
@@ -47,12 +47,34 @@ impl Reproject for Shift {
     }
 }
 
+/// Two threads.
+struct Threads;
+
+impl Pair for Threads {
+    fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+        std::thread::scope(|scope| {
+            scope.spawn(other);
+            one();
+        });
+    }
+}
+
+/// What is second done first.
+struct Backwards;
+
+impl Pair for Backwards {
+    fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+        other();
+        one();
+    }
+}
+
 /// A denoiser in memory of its own.
 fn with_denoiser<R>(size: Size, work: impl FnOnce(&mut Denoiser) -> R) -> R {
     let count = size.pixels();
     let mut frames = [vec![Feature::default(); count], vec![Feature::default(); count]];
     let mut lengths = [vec![0; count], vec![0; count]];
-    let mut rows = vec![Rgb9e5::BLACK; 2 * usize::from(size.width)];
+    let mut rows = vec![Rgb9e5::BLACK; ROWS * usize::from(size.width)];
     let [a, b] = &mut frames;
     let [c, d] = &mut lengths;
     let memory = Memory {

@@ -11,7 +11,7 @@ use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
-use microlux::film::denoise::{Denoiser, Filter, Memory, Size};
+use microlux::film::denoise::{Denoiser, Filter, Memory, ROWS, Size};
 use microlux::film::feature::{Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
@@ -218,7 +218,7 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
     };
     let mut frames = [features(scene), vec![Feature::default(); size.pixels()]];
     let mut lengths = [vec![0; size.pixels()], vec![0; size.pixels()]];
-    let mut rows = vec![Rgb9e5::BLACK; 2 * scene.width];
+    let mut rows = vec![Rgb9e5::BLACK; ROWS * scene.width];
     let [a, b] = &mut frames;
     let [c, d] = &mut lengths;
     let memory = Memory {

@@ -4,7 +4,7 @@ use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
     film::denoise::network::{Input, Needs, Network, Scratch, TRAINED, irradiance},
-    film::denoise::{self, Atrous, Band, Clean, Filter, Past, Size, accumulate},
+    film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Size, accumulate},
     integrator::Path,
     num::Crc,
     render::{Motion, Renderer, Settings},
@@ -153,7 +153,7 @@ fn clean(room: &mut Room) -> u32 {
     for (number, spp) in [(2, 4), (1, 1)] {
         let mut atrous = Atrous::for_spp(spp);
         region::count(number, || {
-            atrous.filter(SIZE, now, lengths, denoise::Scratch::over(before))
+            atrous.filter(&Alone, SIZE, now, lengths, denoise::Scratch::over(before))
         });
         for light in denoise::Scratch::over(before).light.iter() {
             crc.word(light.0);

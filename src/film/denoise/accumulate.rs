@@ -14,7 +14,7 @@ pub struct Before {
 }
 
 /// What the camera did between two frames.
-pub trait Reproject {
+pub trait Reproject: Sync {
     /// Where what is seen in the middle of pixel (x, y), at this [`Feature::depth`], was before; `None` if out of sight.
     fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before>;
 }

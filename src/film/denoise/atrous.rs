@@ -1,5 +1,5 @@
 use super::weight::{FALL, FAR, Mean, luma_code, shines, short_normal, turn};
-use super::{Filter, Scratch, Size};
+use super::{Filter, Pair, Scratch, Size};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 
@@ -55,7 +55,7 @@ const SPLINE: [u32; 5] = [1, 4, 6, 4, 1];
 const ROOTS: [u32; 8] = [4, 6, 7, 8, 9, 10, 11, 11];
 
 impl Filter for Atrous {
-    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
+    fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
         let Scratch { light, other, aside } = scratch;
         let (mut from, mut to) = (light, other);
         // Steps alternate between two planes and shall end in the first: an odd number begins in the second.
@@ -65,24 +65,35 @@ impl Filter for Atrous {
         for (place, pixel) in from.iter_mut().zip(frame) {
             *place = pixel.irradiance;
         }
+        let half = size.upper().min(frame.len());
         for step in 0..self.steps.min(5) {
-            for ((aside, pixel), light) in aside.iter_mut().zip(frame).zip(from.iter()) {
-                *aside = beside(pixel, *light);
-            }
-            self.rows(
-                step,
-                Whole {
-                    size,
-                    frame,
-                    lengths,
-                    aside,
-                    light: from,
-                },
-                0,
-                to,
+            let (upper, lower) = aside.split_at_mut(half);
+            pair.both(
+                || see(upper, frame, from),
+                || see(lower, &frame[half..], &from[half..]),
+            );
+            let whole = Whole {
+                size,
+                frame,
+                lengths,
+                aside,
+                light: from,
+            };
+            let (upper, lower) = to.split_at_mut(half);
+            let this = &*self;
+            pair.both(
+                || this.rows(step, whole, 0, upper),
+                || this.rows(step, whole, size.height.div_ceil(2), lower),
             );
             core::mem::swap(&mut from, &mut to);
         }
+    }
+}
+
+/// [`beside`] of some pixels.
+fn see(aside: &mut [[u8; 4]], frame: &[Feature], light: &[Rgb9e5]) {
+    for ((aside, pixel), light) in aside.iter_mut().zip(frame).zip(light) {
+        *aside = beside(pixel, *light);
     }
 }
 

@@ -6,18 +6,21 @@
 //! ```
 //!
 //! All of it works on light before the albedo, so that no edge of a texture is blurred. Each pass writes rows that no
-//! other row of the same pass reads: bands of rows may be made in any order, by several cores, and the bits are the same.
+//! other row of the same pass reads: bands of rows may be made in any order, by several cores ([`Pair`]), and the bits are
+//! the same.
 //!
-//! RAM: 26 bytes a pixel ([`Memory`]) and two rows of light.
+//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light.
 
 mod accumulate;
 mod atrous;
 pub mod network;
+mod pair;
 mod upsample;
 mod weight;
 
 pub use accumulate::{Band, Before, FIREFLY, Past, Reproject, accumulate};
 pub use atrous::{Atrous, Whole, beside};
+pub use pair::{Alone, Pair};
 pub use upsample::upsample;
 
 use super::Feature;
@@ -36,6 +39,11 @@ impl Size {
         self.width as usize * self.height as usize
     }
 
+    /// Pixels of the upper half of the rows, which is the first worker's.
+    const fn upper(self) -> usize {
+        self.width as usize * (self.height as usize).div_ceil(2)
+    }
+
     /// The number of pixel (x, y), row by row; the nearest where there is none.
     #[inline]
     fn clamped(self, x: i32, y: i32) -> usize {
@@ -52,9 +60,12 @@ pub struct Memory<'m> {
     pub frames: [&'m mut [Feature]; 2],
     /// A pixel each.
     pub lengths: [&'m mut [u8]; 2],
-    /// Two rows.
+    /// Five rows: [`ROWS`].
     pub rows: &'m mut [Rgb9e5],
 }
+
+/// Rows of light that a [`Denoiser`] works in: two for each worker, and one that the upper half sees below it.
+pub const ROWS: usize = 5;
 
 /// Memory that does not suffice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,7 +89,7 @@ pub trait Filter {
     /// Filters `frame`'s irradiance; the answer is in `scratch.light`.
     ///
     /// `lengths` has how many frames each pixel's light is of, 1 ..= 8.
-    fn filter(&mut self, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch);
+    fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch);
 }
 
 /// Lets light through as it is.
@@ -86,7 +97,7 @@ pub trait Filter {
 pub struct Off;
 
 impl Filter for Off {
-    fn filter(&mut self, _: Size, frame: &[Feature], _: &[u8], scratch: Scratch) {
+    fn filter(&mut self, _: &impl Pair, _: Size, frame: &[Feature], _: &[u8], scratch: Scratch) {
         for (light, pixel) in scratch.light.iter_mut().zip(frame) {
             *light = pixel.irradiance;
         }
@@ -149,8 +160,8 @@ impl<'m> Denoiser<'m> {
                 .ok_or(short("lengths[1]", needed))?,
             rows: memory
                 .rows
-                .get_mut(..2 * size.width as usize)
-                .ok_or(short("rows", 2 * size.width as usize))?,
+                .get_mut(..ROWS * size.width as usize)
+                .ok_or(short("rows", ROWS * size.width as usize))?,
             count: 0,
             has_history: false,
         })
@@ -174,25 +185,27 @@ impl<'m> Denoiser<'m> {
     ///
     /// Answers with the clean frame; the next one is rendered after that was shown.
     pub fn denoise<'d>(&'d mut self, motion: Option<&impl Reproject>, filter: &mut impl Filter) -> Clean<'d> {
+        self.denoise_by(&Alone, motion, filter)
+    }
+
+    /// [`Self::denoise`] by two workers: the same bits.
+    pub fn denoise_by<'d>(
+        &'d mut self,
+        pair: &impl Pair,
+        motion: Option<&impl Reproject>,
+        filter: &mut impl Filter,
+    ) -> Clean<'d> {
         let motion = if self.has_history { motion } else { None };
         let past = motion.map(|motion| Past {
             frame: self.before,
             lengths: self.lengths_before,
             motion,
         });
-        let (above, current) = self.rows.split_at_mut(self.size.width as usize);
-        accumulate(
-            Band {
-                size: self.size,
-                first: 0,
-                rows: self.now,
-                lengths: self.lengths,
-                above,
-                current,
-                below: &[],
-            },
-            past.as_ref(),
-            self.count,
+        let [upper, lower] = halves(self.size, self.now, self.lengths, self.rows);
+        let (past, count) = (past.as_ref(), self.count);
+        pair.both(
+            || accumulate(upper, past, count),
+            || accumulate(lower, past, count),
         );
         self.count = self.count.wrapping_add(1);
         self.has_history = true;
@@ -200,13 +213,58 @@ impl<'m> Denoiser<'m> {
         core::mem::swap(&mut self.now, &mut self.before);
         core::mem::swap(&mut self.lengths, &mut self.lengths_before);
         let scratch = Scratch::over(self.now);
-        filter.filter(self.size, self.before, self.lengths_before, scratch);
+        filter.filter(pair, self.size, self.before, self.lengths_before, scratch);
         Clean {
             size: self.size,
             frame: self.before,
             light: Scratch::over(self.now).light,
         }
     }
+}
+
+/// Both halves of a frame, each with the other's nearest row as it was rendered.
+fn halves<'a>(
+    size: Size,
+    frame: &'a mut [Feature],
+    lengths: &'a mut [u8],
+    rows: &'a mut [Rgb9e5],
+) -> [Band<'a>; 2] {
+    let width = size.width as usize;
+    let (upper, lower) = frame.split_at_mut(size.upper());
+    let (upper_lengths, lower_lengths) = lengths.split_at_mut(upper.len());
+    let (first, rest) = rows.split_at_mut(width);
+    let (second, rest) = rest.split_at_mut(width);
+    let (below, rest) = rest.split_at_mut(width);
+    let (above, current) = rest.split_at_mut(width);
+    for (light, pixel) in below.iter_mut().zip(&*lower) {
+        *light = pixel.irradiance;
+    }
+    let last = upper.len().saturating_sub(width);
+    for (light, pixel) in above.iter_mut().zip(&upper[last..]) {
+        *light = pixel.irradiance;
+    }
+    let below: &[Rgb9e5] = if lower.is_empty() { &[] } else { below };
+    let start = (size.height).div_ceil(2);
+    [
+        Band {
+            size,
+            first: 0,
+            rows: upper,
+            lengths: upper_lengths,
+            above: first,
+            current: second,
+            below,
+        },
+        Band {
+            size,
+            first: start,
+            rows: lower,
+            lengths: lower_lengths,
+            above,
+            current,
+            below: &[],
+        },
+    ]
 }
 
 /// A frame without its noise.

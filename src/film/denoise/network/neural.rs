@@ -1,7 +1,7 @@
 use super::{Input, Network, NetworkError, Scratch, Weights, exposure, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::denoise::{self, Filter, Size};
+use crate::film::denoise::{self, Filter, Pair, Size};
 
 /// The network as a denoiser's filter.
 #[derive(Debug)]
@@ -35,7 +35,14 @@ impl<'a> Neural<'a> {
 
 impl Filter for Neural<'_> {
     /// Frames of another size than this filter's stay black.
-    fn filter(&mut self, _: Size, frame: &[Feature], lengths: &[u8], scratch: denoise::Scratch) {
+    fn filter(
+        &mut self,
+        _: &impl Pair,
+        _: Size,
+        frame: &[Feature],
+        lengths: &[u8],
+        scratch: denoise::Scratch,
+    ) {
         for (light, pixel) in self.light.iter_mut().zip(frame) {
             *light = irradiance(pixel);
         }
