@@ -25,9 +25,12 @@ pub struct Options {
     /// The Pico's display
     #[arg(long, default_value = "240x240", value_parser = ["240x240", "320x240"])]
     screen: String,
-    /// What the Pico draws
-    #[arg(long, default_value = "cornell", value_parser = ["cornell", "mesh"])]
+    /// What the Pico draws; the flight is past the first scene, denoised
+    #[arg(long, default_value = "cornell", value_parser = ["cornell", "mesh", "flight"])]
     scene: String,
+    /// Frames of the flight
+    #[arg(long, default_value_t = 3)]
+    frames: u32,
     /// Samples a pixel after which to stop, 1 to 16 by powers of two; 0 for the preview
     #[arg(long, default_value_t = 1)]
     spp: u32,
@@ -62,7 +65,9 @@ pub fn run(options: &Options) -> Result<()> {
     for (name, value) in [("--screen", &options.screen), ("--scene", &options.scene)] {
         words.extend([name.into(), value.into()]);
     }
-    words.extend(["--spp".into(), options.spp.to_string().into()]);
+    for (name, value) in [("--spp", options.spp), ("--frames", options.frames)] {
+        words.extend([name.into(), value.to_string().into()]);
+    }
     for (name, file) in [("--json", &options.json), ("--mesh", &options.mesh)] {
         if let Some(file) = file {
             words.extend([name.into(), whole(file)?.into()]);
@@ -120,9 +125,10 @@ pub fn check() -> Result<String> {
     emulate(&["size"])?;
     emulate(&["identity"])?;
     emulate(&["run", "--quiet"])?;
+    emulate(&["run", "--quiet", "--scene", "flight"])?;
     emulate(&["faults"])?;
     Ok(
-        "nine machines agree, the Pico's display shows this computer's picture, every fault is caught"
+        "nine machines agree, the Pico's display shows this computer's pictures, every fault is caught"
             .to_string(),
     )
 }

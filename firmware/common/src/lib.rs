@@ -11,6 +11,8 @@ pub mod cost;
 pub mod denoise;
 mod edges;
 mod flags;
+#[cfg(feature = "roomy")]
+pub mod flight;
 pub mod golden;
 pub mod jobs;
 pub mod mesh;

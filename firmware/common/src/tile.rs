@@ -60,17 +60,17 @@ impl Frame {
         let columns = self.width / SIDE;
         (index % columns * SIDE, index / columns * SIDE)
     }
+}
 
-    /// The camera whose view fills the frame: what it sees across is seen along the shorter side.
-    fn camera(self, camera: Camera) -> Camera {
-        let shorter = self.width.min(self.height);
-        let wider = camera.half_width().to_bits() * self.width as i32 / shorter as i32;
-        Camera::from_frame(
-            camera.origin(),
-            camera.frame(),
-            fixed::types::I12F20::from_bits(wider),
-        )
-    }
+/// The camera whose view fills a frame: what it sees across is seen along the shorter side.
+pub(crate) fn widened(camera: Camera, width: u32, height: u32) -> Camera {
+    let shorter = width.min(height);
+    let wider = camera.half_width().to_bits() * width as i32 / shorter as i32;
+    Camera::from_frame(
+        camera.origin(),
+        camera.frame(),
+        fixed::types::I12F20::from_bits(wider),
+    )
 }
 
 /// The frame of a square 1.3 inch display.
@@ -114,7 +114,7 @@ impl<'s> Painter<'s> {
             height: (frame.height / pass.block) as u16,
             spp: pass.spp,
         };
-        let camera = frame.camera(stage.camera);
+        let camera = widened(stage.camera, frame.width, frame.height);
         Self {
             frame,
             pass,

@@ -2,6 +2,7 @@
 //
 //   --png FILE      what the display shows at the end
 //   --rgb FILE      the same as bare bytes: red, green, blue of each pixel, row by row
+//   --each FILE     those bytes at each line of the firmware's that begins with "frame ", one after the other
 //   --json FILE     times, cycles, stacks, faults
 //   --size WxH      240x240 (default), 240x320 or 320x240, the panel turned by 90 degrees
 //   --frames N      end after N whole frames (default: at the firmware's end)
@@ -33,6 +34,7 @@ const { values: options, positionals } = parseArgs({
   options: {
     png: { type: 'string' },
     rgb: { type: 'string' },
+    each: { type: 'string' },
     json: { type: 'string' },
     size: { type: 'string', default: '240x240' },
     frames: { type: 'string', default: '0' },
@@ -57,6 +59,16 @@ let firstPixel = null;
 let lastPixel = null;
 let lostBytes = 0;
 
+const each = options.each ? fs.openSync(options.each, 'w') : null;
+
+// Red, green, blue of each pixel, as the display shows it.
+function colours() {
+  const seen = display.view(size);
+  const bytes = Buffer.alloc(3 * seen.length);
+  seen.forEach((colour, index) => bytes.writeUIntBE(colour, 3 * index, 3));
+  return bytes;
+}
+
 const status = { code: null, line: '', end: Infinity };
 const faults = [];
 let resets = 0;
@@ -72,6 +84,7 @@ const events = {
     process.stdout.write(text);
     const lines = (status.line + text).split('\n');
     status.line = lines.pop();
+    if (each !== null) lines.filter((line) => line.startsWith('frame ')).forEach(() => fs.writeSync(each, colours()));
     if (options.until && lines.some((line) => line.startsWith(options.until))) finish();
   },
   warn(message) {
@@ -153,12 +166,7 @@ const report = {
   host_seconds: hostSeconds(),
 };
 if (options.png) writePng(options.png, display.view(size), size);
-if (options.rgb) {
-  const colours = display.view(size);
-  const bytes = Buffer.alloc(3 * colours.length);
-  colours.forEach((colour, index) => bytes.writeUIntBE(colour, 3 * index, 3));
-  fs.writeFileSync(options.rgb, bytes);
-}
+if (options.rgb) fs.writeFileSync(options.rgb, colours());
 if (options.json) fs.writeFileSync(options.json, `${JSON.stringify(report, null, 2)}\n`);
 if (!options.quiet) summarise();
 

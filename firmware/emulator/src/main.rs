@@ -11,6 +11,7 @@ use emulator::{
     profile, rays, raystones, size,
 };
 use firmware_common::{
+    flight,
     stage::NAMES,
     tile::{PASSES, Pass},
 };
@@ -90,6 +91,8 @@ enum Command {
     Faults,
 }
 
+const SCENES: [&str; 3] = [NAMES[0], NAMES[1], flight::NAME];
+
 #[derive(Args)]
 struct Run {
     /// `pico`, or a machine that runs the jobs: microbit, mps2-an385, ...
@@ -104,9 +107,12 @@ struct Run {
     /// The Pico's display
     #[arg(long, default_value = "240x240")]
     screen: Screen,
-    /// What the Pico draws before its run ends: cornell or mesh
-    #[arg(long, default_value = NAMES[0], value_parser = PossibleValuesParser::new(NAMES))]
+    /// What the Pico draws before its run ends: cornell, mesh, or the flight past the first, denoised
+    #[arg(long, default_value = NAMES[0], value_parser = PossibleValuesParser::new(SCENES))]
     scene: String,
+    /// Frames of the flight
+    #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(flight::FRAMES)))]
+    frames: u32,
     /// Samples a pixel in the pass after which the run ends, 1 to 16 by powers of two; 0 for the preview
     #[arg(long, default_value_t = 1)]
     spp: u32,
@@ -148,6 +154,11 @@ fn run(options: &Run) -> Result<()> {
 }
 
 fn goal(options: &Run) -> Result<pico::Goal> {
+    if options.scene == flight::NAME {
+        return Ok(pico::Goal::Flight {
+            frames: options.frames,
+        });
+    }
     let is_asked = |pass: &Pass| {
         if options.spp == 0 {
             pass.block > 1
@@ -163,7 +174,7 @@ fn goal(options: &Run) -> Result<pico::Goal> {
                 &*options.scene
             }
     });
-    Ok(pico::Goal {
+    Ok(pico::Goal::Still {
         scene: scene.context("no such scene")?,
         pass: PASSES
             .into_iter()

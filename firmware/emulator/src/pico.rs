@@ -4,6 +4,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
+    sync::Mutex,
     time::Duration,
 };
 
@@ -11,10 +12,13 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use firmware_bake::{Aligned, Baked};
 use firmware_common::{
+    flight::{self, Flight, Room},
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
     tile::{self, Frame, Painter, Pass},
 };
+use microlux::film::denoise::Alone;
+use microlux::num::Crc;
 use microlux::scene;
 use serde_json::Value;
 
@@ -52,18 +56,34 @@ impl Screen {
     }
 }
 
-/// What the firmware draws: a scene by its place in [`NAMES`], and the pass of [`tile::PASSES`] to wait for.
+/// What the firmware draws, and when it has drawn enough.
 #[derive(Clone, Copy, Debug)]
-pub struct Goal {
-    pub scene: usize,
-    pub pass: Pass,
+pub enum Goal {
+    /// A scene by its place in [`NAMES`], and the pass of [`tile::PASSES`] to wait for.
+    Still { scene: usize, pass: Pass },
+    /// So many frames of the flight.
+    Flight { frames: u32 },
 }
 
 impl Goal {
+    /// What the firmware calls it.
+    pub const fn scene(self) -> &'static str {
+        match self {
+            Self::Still { scene, .. } => NAMES[scene],
+            Self::Flight { .. } => flight::NAME,
+        }
+    }
+
     /// The line that the firmware prints when it is there.
     fn line(self) -> String {
-        let Pass { block, spp } = self.pass;
-        format!("frame scene={} block={block} spp={spp} ", NAMES[self.scene])
+        let scene = self.scene();
+        match self {
+            Self::Still {
+                pass: Pass { block, spp },
+                ..
+            } => format!("frame scene={scene} block={block} spp={spp} "),
+            Self::Flight { frames } => format!("frame scene={scene} number={} ", frames.saturating_sub(1)),
+        }
     }
 }
 
@@ -88,7 +108,7 @@ pub struct Shown {
     pub rgb: Vec<u8>,
     /// Times, cycles, stacks and faults, as `emulator/rp2040/run.mjs` writes them.
     pub report: Value,
-    /// Rays that this computer asked of the scene for the same pass.
+    /// Rays that this computer asked of the scene for the same pass; 0 of a flight.
     pub rays: u32,
     /// Both cores' stacks.
     pub depths: Vec<Depth>,
@@ -105,7 +125,7 @@ pub fn run(run: &Run) -> Result<Shown> {
         Some(file) => fs::canonicalize(file).with_context(|| file.display().to_string())?,
         None => PathBuf::new(),
     };
-    let program = build(run.screen, NAMES[run.goal.scene], "", &mesh)?;
+    let program = build(run.screen, run.goal.scene(), "", &mesh)?;
     let size = size::of(&program)?;
     println!(
         "flash {} bytes, RAM {} bytes without core 0's stack",
@@ -113,10 +133,12 @@ pub fn run(run: &Run) -> Result<Shown> {
     );
     let rgb = program.with_extension("rgb");
     let json = program.with_extension("json");
-    for file in [&rgb, &json] {
+    let each = program.with_extension("each");
+    for file in [&rgb, &json, &each] {
         remove(file)?;
     }
     let mut emulator = emulator(&program)?;
+    emulator.arg("--each").arg(&each);
     emulator
         .args(["--size", run.screen.size(), "--until", &run.goal.line(), "--rgb"])
         .arg(&rgb);
@@ -141,11 +163,34 @@ pub fn run(run: &Run) -> Result<Shown> {
         Some(file) => Some(bake(file)?),
         None => None,
     };
-    let (expected, rays) = colours(run.screen.frame(), run.goal, baked.as_ref())?;
-    if let Some((x, y)) = first_difference(&shown, &expected, run.screen.frame().width())? {
-        bail!("the display differs from this computer's picture at ({x}, {y}) first");
-    }
-    println!("the display shows what this computer renders, bit for bit");
+    let width = run.screen.frame().width();
+    let rays = match run.goal {
+        Goal::Still { scene, pass } => {
+            let (expected, rays) = colours(run.screen.frame(), scene, pass, baked.as_ref())?;
+            same(&shown, &expected, width)?;
+            println!("the display shows what this computer renders, bit for bit");
+            rays
+        }
+        Goal::Flight { frames } => {
+            let seen = fs::read(&each).with_context(|| each.display().to_string())?;
+            let expected = flown(run.screen.frame(), frames)?;
+            ensure!(
+                seen.len() == expected.len() * shown.len(),
+                "the display was seen after {} frames, {frames} expected",
+                seen.len() / shown.len()
+            );
+            for (number, (seen, expected)) in seen.chunks_exact(shown.len()).zip(&expected).enumerate() {
+                same(seen, expected, width).with_context(|| format!("frame {number}"))?;
+                let mut crc = Crc::new();
+                crc.bytes(seen);
+                println!(
+                    "frame {number} crc32={:08x}, as this computer has it",
+                    crc.value()
+                );
+            }
+            0
+        }
+    };
     let report = fs::read_to_string(&json).with_context(|| json.display().to_string())?;
     if let Some(file) = run.json {
         fs::write(file, &report).with_context(|| file.display().to_string())?;
@@ -157,7 +202,7 @@ pub fn run(run: &Run) -> Result<Shown> {
         );
     }
     Ok(Shown {
-        depths: stacks(&program, NAMES[run.goal.scene], &report)?,
+        depths: stacks(&program, run.goal.scene(), &report)?,
         rgb: shown,
         report,
         rays,
@@ -306,20 +351,17 @@ fn remove(file: &Path) -> Result<()> {
     }
 }
 
-/// The goal as the panel shows it: 8 bits a channel, the highest bits repeated below.
-fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, u32)> {
+/// The pass as the panel shows it, and its rays.
+fn colours(frame: Frame, scene: usize, pass: Pass, baked: Option<&Baked>) -> Result<(Vec<u8>, u32)> {
     let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
-    if goal.scene == 0 {
+    if scene == 0 {
         let mut cornell = Cornell::new().map_err(refused)?;
         let (scene, camera) = cornell.scene().map_err(refused)?;
-        return Ok(painted(
-            frame,
-            goal.pass,
-            &Stage {
-                scene: &scene,
-                camera,
-            },
-        ));
+        let stage = Stage {
+            scene: &scene,
+            camera,
+        };
+        return Ok(painted(frame, pass, &stage));
     }
     let bytes = baked.map(Baked::blob).transpose().map_err(anyhow::Error::msg)?;
     let bytes = bytes.map(|bytes| Aligned::new(&bytes));
@@ -328,14 +370,49 @@ fn colours(frame: Frame, goal: Goal, baked: Option<&Baked>) -> Result<(Vec<u8>, 
         None => mesh::baked()?,
     });
     let (scene, camera) = pedestal.scene()?;
-    Ok(painted(
-        frame,
-        goal.pass,
-        &Stage {
-            scene: &scene,
-            camera,
-        },
-    ))
+    let stage = Stage {
+        scene: &scene,
+        camera,
+    };
+    Ok(painted(frame, pass, &stage))
+}
+
+/// The first frames of the flight as the panel shows them, by one worker.
+fn flown(frame: Frame, frames: u32) -> Result<Vec<Vec<u8>>> {
+    let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
+    let mut cornell = Cornell::new().map_err(refused)?;
+    let (scene, camera) = cornell.scene().map_err(refused)?;
+    let stage = Stage {
+        scene: &scene,
+        camera,
+    };
+    let mut room = Box::new(Room::EMPTY);
+    let mut flight = Flight::new(&mut room)?;
+    let (width, height) = (frame.width() as usize, frame.height() as usize);
+    let (left, top) = ((width - flight::WIDTH) / 2, (height - flight::HEIGHT) / 2);
+    let one = |number| {
+        let colours = Mutex::new(vec![0; 3 * width * height]);
+        flight.frame(&Alone, &stage, number, &|y, row| {
+            let place = 3 * ((top + y) * width + left);
+            let mut colours = colours.lock().expect("nobody panics");
+            for (pixel, colour) in colours[place..].chunks_exact_mut(3).zip(row) {
+                pixel.copy_from_slice(&shown_as(*colour));
+            }
+        });
+        colours.into_inner().expect("nobody panics")
+    };
+    Ok((0..frames).map(one).collect())
+}
+
+/// RGB565 as the panel shows it: 8 bits a channel, the highest bits repeated below.
+fn shown_as(pixel: u16) -> [u8; 3] {
+    let (red, green, blue) = (pixel >> 11, (pixel >> 5) & 63, pixel & 31);
+    let wide = [
+        red << 3 | red >> 2,
+        green << 2 | green >> 4,
+        blue << 3 | blue >> 2,
+    ];
+    wide.map(|channel| channel as u8)
 }
 
 /// The pass, and its rays.
@@ -350,16 +427,18 @@ fn painted(frame: Frame, pass: Pass, stage: &Stage) -> (Vec<u8>, u32) {
         for (place, &pixel) in (0..).zip(&pixels) {
             let x = (left + place % tile::SIDE) as usize;
             let y = (top + place / tile::SIDE) as usize;
-            let (red, green, blue) = (pixel >> 11, (pixel >> 5) & 63, pixel & 31);
-            let wide = [
-                red << 3 | red >> 2,
-                green << 2 | green >> 4,
-                blue << 3 | blue >> 2,
-            ];
-            colours[3 * (y * width + x)..][..3].copy_from_slice(&wide.map(|channel| channel as u8));
+            colours[3 * (y * width + x)..][..3].copy_from_slice(&shown_as(pixel));
         }
     }
     (colours, painter.rays())
+}
+
+/// Fails where the display differs from the picture.
+fn same(shown: &[u8], expected: &[u8], width: u32) -> Result<()> {
+    match first_difference(shown, expected, width)? {
+        Some((x, y)) => bail!("the display differs from this computer's picture at ({x}, {y}) first"),
+        None => Ok(()),
+    }
 }
 
 /// Where two pictures of equal size differ first.
@@ -383,11 +462,7 @@ mod tests {
 
     #[test]
     fn finds_the_first_difference() {
-        let goal = Goal {
-            scene: 1,
-            pass: tile::PASSES[0],
-        };
-        let (expected, _) = colours(tile::SQUARE, goal, None).unwrap();
+        let (expected, _) = colours(tile::SQUARE, 1, tile::PASSES[0], None).unwrap();
         let mut shown = expected.clone();
         assert_eq!(first_difference(&shown, &expected, 240).unwrap(), None);
         shown[3 * (5 * 240 + 7) + 1] ^= 1;

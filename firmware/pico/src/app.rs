@@ -1,7 +1,9 @@
-//! What the firmware does, on either chip: both cores draw each scene in ever better passes, and then the next scene.
+//! What the firmware does, on either chip: both cores draw each scene in ever better passes, and then the next scene,
+//! and at last a flight past the first one.
 
 use cortex_m::singleton;
 use firmware_common::{
+    flight::{self, Flight, Room},
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
     text,
@@ -19,7 +21,7 @@ use crate::{
         pac,
     },
     provoke,
-    work::{self, Stages, Step},
+    work::{self, Part, Stages, Step},
 };
 
 /// The display.
@@ -54,7 +56,7 @@ pub fn run() -> ! {
     watchdog.start(HANG);
 
     work::share(screen);
-    let Some(stages) = stages() else {
+    let (Some(stages), Some(mut flight)) = (stages(), flight()) else {
         fault::stop(Cause::Scene)
     };
     let (mut power, mut bus, mut fifo) = core_1;
@@ -65,8 +67,13 @@ pub fn run() -> ! {
     if core_1
         .spawn(stack, move || {
             for step in work::steps() {
-                work::draw(&stages, step, || provoke::on_core(1));
-                work::wait(step);
+                match step.part() {
+                    Part::Still { scene, pass } => {
+                        work::draw(&stages[scene], step, pass, || provoke::on_core(1));
+                        work::wait(step);
+                    }
+                    Part::Frame(_) => work::help(step),
+                }
             }
         })
         .is_err()
@@ -74,11 +81,19 @@ pub fn run() -> ! {
         fault::stop(Cause::Fault);
     }
     for step in work::steps() {
-        work::draw(&stages, step, || {
-            watchdog.feed();
-            provoke::on_core(0);
-        });
-        work::finish();
+        match step.part() {
+            Part::Still { scene, pass } => {
+                work::draw(&stages[scene], step, pass, || {
+                    watchdog.feed();
+                    provoke::on_core(0);
+                });
+                work::finish();
+            }
+            Part::Frame(number) => {
+                work::fly(&mut flight, &stages[0], number);
+                watchdog.feed();
+            }
+        }
         report(&console, step, timer.get_counter().ticks());
         work::advance();
     }
@@ -102,29 +117,35 @@ fn stages() -> Option<Stages> {
     Some([cornell, mesh])
 }
 
+/// The flight past the first scene, its memory in a variable of its own.
+fn flight() -> Option<Flight<'static>> {
+    Flight::new(singleton!(: Room = Room::EMPTY)?).ok()
+}
+
 /// Prints what was completed, and when, in microseconds since the start.
 fn report(console: &Console, step: Step, microseconds: u64) {
-    let pass = step.pass();
-    #[cfg(feature = "defmt")]
-    defmt::info!(
-        "{} block {} spp {} at {} us",
-        NAMES[step.scene()],
-        pass.block,
-        pass.spp,
-        microseconds
-    );
+    let us = microseconds as u32;
+    match step.part() {
+        Part::Still { scene, pass } => line(
+            console,
+            NAMES[scene],
+            &[(" block=", pass.block), (" spp=", pass.spp), (" us=", us)],
+        ),
+        Part::Frame(number) => line(console, flight::NAME, &[(" number=", number), (" us=", us)]),
+    }
+}
 
-    for part in [b"frame scene=".as_slice(), NAMES[step.scene()].as_bytes()] {
+fn line(console: &Console, scene: &str, numbers: &[(&str, u32)]) {
+    #[cfg(feature = "defmt")]
+    defmt::info!("{} {}", scene, numbers);
+
+    for part in [b"frame scene=".as_slice(), scene.as_bytes()] {
         console.write_full_blocking(part);
     }
-    for (name, value) in [
-        (" block=", pass.block),
-        (" spp=", pass.spp),
-        (" us=", microseconds as u32),
-    ] {
+    for (name, value) in numbers {
         console.write_full_blocking(name.as_bytes());
         let mut digits = [0; 10];
-        console.write_full_blocking(text::decimal(value, &mut digits));
+        console.write_full_blocking(text::decimal(*value, &mut digits));
     }
     console.write_full_blocking(b"\n");
 }

@@ -1,6 +1,8 @@
-//! Both cores draw: each takes the next tile, renders it, and hands it to the screen.
+//! Both cores draw: each takes the next tile, renders it, and hands it to the screen. Of a flight core 0 leads, and core 1
+//! does what it is given ([`Cores`]).
 
 use core::cell::{Cell, RefCell};
+use core::ptr::NonNull;
 
 use critical_section::{CriticalSection, Mutex};
 use embedded_graphics_core::{
@@ -9,24 +11,41 @@ use embedded_graphics_core::{
     primitives::Rectangle,
 };
 use firmware_common::{
+    flight::{self, Flight},
     stage::{NAMES, Stage},
     tile::{self, PASSES, Painter, Pass},
 };
+use microlux::film::denoise::Pair;
 
 use crate::{app::FRAME, board::Screen};
 
-/// A pass over a scene; they are counted from 0 and follow each other for ever.
+/// A pass over a scene, or a frame of the flight; they are counted from 0 and follow each other for ever.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Step(u32);
 
-impl Step {
-    /// Place in [`NAMES`].
-    pub const fn scene(self) -> usize {
-        self.0 as usize / PASSES.len() % NAMES.len()
-    }
+/// What is drawn in a step.
+#[derive(Clone, Copy)]
+pub enum Part {
+    /// A scene by its place in [`NAMES`].
+    Still { scene: usize, pass: Pass },
+    /// A frame of the flight by its number.
+    Frame(u32),
+}
 
-    pub const fn pass(self) -> Pass {
-        PASSES[self.0 as usize % PASSES.len()]
+/// Passes over all scenes.
+const STILLS: u32 = (NAMES.len() * PASSES.len()) as u32;
+
+impl Step {
+    pub const fn part(self) -> Part {
+        let place = self.0 % (STILLS + flight::FRAMES);
+        if place < STILLS {
+            Part::Still {
+                scene: place as usize / PASSES.len(),
+                pass: PASSES[place as usize % PASSES.len()],
+            }
+        } else {
+            Part::Frame(place - STILLS)
+        }
     }
 }
 
@@ -65,6 +84,7 @@ pub fn steps() -> impl Iterator<Item = Step> {
 
 /// The first step: `MICROLUX_FIRST` at build time names a scene that is not to wait for those before it.
 const FIRST: u32 = match option_env!("MICROLUX_FIRST") {
+    Some(name) if is_same(flight::NAME.as_bytes(), name.as_bytes()) => STILLS,
     Some(name) => {
         let mut scene = 0;
         while scene < NAMES.len() && !is_same(NAMES[scene].as_bytes(), name.as_bytes()) {
@@ -95,11 +115,8 @@ fn take(step: Step) -> Option<u32> {
 }
 
 /// Renders tiles of a step until none is left; calls `after` behind each.
-pub fn draw(stages: &Stages, step: Step, mut after: impl FnMut()) {
-    let Some(stage) = stages.get(step.scene()) else {
-        return;
-    };
-    let mut painter = Painter::new(stage, FRAME, step.pass());
+pub fn draw(stage: &Stage<'static>, step: Step, pass: Pass, mut after: impl FnMut()) {
+    let mut painter = Painter::new(stage, FRAME, pass);
     let mut pixels = [0; tile::PIXELS];
     while let Some(index) = take(step) {
         painter.render(index, &mut pixels);
@@ -125,6 +142,99 @@ fn show(index: u32, pixels: &[u16; tile::PIXELS]) {
     });
 }
 
+/// Core 0: draws frame `number` of the flight in the middle of the screen, with core 1's help, and waits until it has left
+/// for the display.
+pub fn fly(flight: &mut Flight, stage: &Stage<'static>, number: u32) {
+    const LEFT: i32 = (FRAME.width() as i32 - flight::WIDTH as i32) / 2;
+    const TOP: i32 = (FRAME.height() as i32 - flight::HEIGHT as i32) / 2;
+    let whole = Rectangle::new(Point::zero(), Size::new(FRAME.width(), FRAME.height()));
+    if number == 0 {
+        critical_section::with(|section| {
+            if let Some(screen) = &mut *SCREEN.borrow_ref_mut(section) {
+                let Ok(()) = screen.fill_solid(&whole, Rgb565::BLACK);
+            }
+        });
+    }
+    flight.frame(&Cores, stage, number, &|y, row| {
+        let area = Rectangle::new(
+            Point::new(LEFT, TOP + y as i32),
+            Size::new(flight::WIDTH as u32, 1),
+        );
+        let colours = row.iter().map(|&pixel| Rgb565::from(RawU16::new(pixel)));
+        critical_section::with(|section| {
+            if let Some(screen) = &mut *SCREEN.borrow_ref_mut(section) {
+                let Ok(()) = screen.fill_contiguous(&area, colours);
+            }
+        });
+    });
+    while !critical_section::with(is_sent) {
+        cortex_m::asm::delay(PAUSE);
+    }
+}
+
+/// Core 0 leads, core 1 helps: it must be in [`help`], or get there.
+struct Cores;
+
+/// Work for core 1: what [`run`] takes, behind a pointer.
+#[derive(Clone, Copy)]
+struct Order {
+    run: unsafe fn(NonNull<()>),
+    work: NonNull<()>,
+}
+
+// SAFETY: the work is `Send`, and whoever gave the order leaves it alone until it is done.
+unsafe impl Send for Order {}
+
+static ORDER: Mutex<Cell<Option<Order>>> = Mutex::new(Cell::new(None));
+
+impl Pair for Cores {
+    fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+        let mut work = Some(other);
+        let order = Order {
+            run: pointer_to_run(&work),
+            work: NonNull::from(&mut work).cast(),
+        };
+        critical_section::with(|section| ORDER.borrow(section).set(Some(order)));
+        one();
+        // `work` lives until core 1 has taken the order back.
+        while critical_section::with(|section| ORDER.borrow(section).get().is_some()) {
+            cortex_m::asm::delay(PAUSE);
+        }
+    }
+}
+
+/// [`run`] for this work.
+fn pointer_to_run<F: FnOnce()>(_: &Option<F>) -> unsafe fn(NonNull<()>) {
+    run::<F>
+}
+
+/// Does the work.
+///
+/// # Safety
+///
+/// `work` must point to an `Option<F>` that nobody else uses meanwhile.
+unsafe fn run<F: FnOnce()>(work: NonNull<()>) {
+    // SAFETY: as the caller promises.
+    let work = unsafe { work.cast::<Option<F>>().as_mut() };
+    if let Some(work) = work.take() {
+        work();
+    }
+}
+
+/// Core 1, while there is a flight: does what core 0 gives it, until the next step has begun.
+pub fn help(step: Step) {
+    while critical_section::with(|section| PROGRESS.borrow(section).step.get() == step.0) {
+        match critical_section::with(|section| ORDER.borrow(section).get()) {
+            Some(order) => {
+                // SAFETY: `Cores::both` wrote the order for this function, and waits until it is taken back.
+                unsafe { (order.run)(order.work) };
+                critical_section::with(|section| ORDER.borrow(section).set(None));
+            }
+            None => cortex_m::asm::delay(PAUSE),
+        }
+    }
+}
+
 /// Core 0, when it has no tile left: waits until the whole frame has left for the display.
 pub fn finish() {
     while !critical_section::with(is_complete) {
@@ -133,12 +243,15 @@ pub fn finish() {
 }
 
 fn is_complete(section: CriticalSection) -> bool {
+    is_sent(section) && PROGRESS.borrow(section).drawn.get() == FRAME.tiles()
+}
+
+fn is_sent(section: CriticalSection) -> bool {
     let mut screen = SCREEN.borrow_ref_mut(section);
     // SAFETY: it is only asked; no command passes by the display's driver.
-    let is_sent = screen
+    screen
         .as_mut()
-        .is_some_and(|screen| unsafe { screen.dcs() }.is_idle());
-    is_sent && PROGRESS.borrow(section).drawn.get() == FRAME.tiles()
+        .is_some_and(|screen| unsafe { screen.dcs() }.is_idle())
 }
 
 /// Core 0, when all is drawn: begins the next step.

@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> Result<()> {
 /// Runs the Pico's program up to the end of a scene's first full pass, `runs` times, which must agree.
 fn pico_frame(scene: usize, runs: u32) -> Result<(Frame, Vec<Depth>)> {
     eprintln!("pico, {}", NAMES[scene]);
-    let goal = Goal {
+    let goal = Goal::Still {
         scene,
         pass: PASSES[1],
     };

@@ -39,6 +39,13 @@ const CORE_1: &str = "core1_startup";
 /// What a RISC-V's entry goes on with, by its address; nobody else does.
 const START: &str = "_start_rust";
 
+/// What the RP2040's library has its boot ROM do, by pointers of the ROM's own table, which lead nowhere else.
+const BY_ROM: &str = "__aeabi_mem";
+
+/// Bytes that such a function of the ROM may take: it pushes three registers, or two (`bootrom_misc.S` of
+/// raspberrypi/pico-bootrom-rp2040), its look-up some more.
+const ROM_FRAME: u64 = 32;
+
 /// A function's part in the graph; functions are named by their addresses.
 struct Node {
     name: String,
@@ -117,6 +124,10 @@ impl Graph {
                     }
                     Step::Address(_) | Step::Grow(_) | Step::GrowUnknown => {}
                 }
+            }
+            if node.calls_by_pointer && node.name.starts_with(BY_ROM) {
+                node.calls_by_pointer = false;
+                node.frame = node.frame.map(|bytes| bytes + ROM_FRAME);
             }
             nodes.insert(start, node);
         }

@@ -1,0 +1,164 @@
+//! A flight past a scene: few samples a pixel, denoised, shown twice as large, by two workers.
+
+use core::cell::RefCell;
+
+use critical_section::Mutex;
+use embedded_graphics_core::{
+    geometry::{Point, Size as Extent},
+    pixelcolor::{IntoStorage, Rgb565},
+    primitives::Rectangle,
+};
+use microlux::{
+    camera::Camera,
+    color::{Radiance, Rgb9e5},
+    film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Size, TooShort},
+    film::{Feature, Tile},
+    geom::Octahedral,
+    integrator::Path,
+    render::{Motion, Renderer, Settings},
+    sampler::Independent,
+};
+
+use crate::{
+    denoise::moved,
+    stage::Stage,
+    tile::{DISPLAY, widened},
+};
+
+/// The name that the firmware prints and that the emulator is given.
+pub const NAME: &str = "flight";
+
+/// Of a frame as it is rendered.
+pub const SIZE: Size = Size {
+    width: 80,
+    height: 60,
+};
+/// Of a frame as it is shown, pixels.
+pub const WIDTH: usize = 2 * SIZE.width as usize;
+pub const HEIGHT: usize = 2 * SIZE.height as usize;
+
+/// Samples a pixel.
+pub const SPP: u32 = 1;
+
+/// Frames there and back.
+pub const FRAMES: u32 = 64;
+
+const PIXELS: usize = SIZE.pixels();
+const EMPTY: Feature = Feature {
+    irradiance: Rgb9e5::BLACK,
+    albedo: [0; 3],
+    depth: 0,
+    normal: Octahedral([0; 2]),
+    id: 0,
+};
+
+/// Memory that a flight takes, in a variable of the program's.
+pub struct Room {
+    frames: [[Feature; PIXELS]; 2],
+    lengths: [[u8; PIXELS]; 2],
+    rows: [Rgb9e5; ROWS * SIZE.width as usize],
+}
+
+impl Room {
+    pub const EMPTY: Room = Room {
+        frames: [[EMPTY; PIXELS]; 2],
+        lengths: [[0; PIXELS]; 2],
+        rows: [Rgb9e5::BLACK; ROWS * SIZE.width as usize],
+    };
+}
+
+/// Frame after frame; remembers what it saw.
+pub struct Flight<'m> {
+    denoiser: Denoiser<'m>,
+    filter: Atrous,
+    before: Option<Camera>,
+}
+
+/// Things that both workers take in turn.
+struct Turns<I>(Mutex<RefCell<I>>);
+
+impl<I: Iterator> Turns<I> {
+    fn new(things: I) -> Turns<I> {
+        Turns(Mutex::new(RefCell::new(things)))
+    }
+
+    fn next(&self) -> Option<I::Item> {
+        critical_section::with(|section| self.0.borrow_ref_mut(section).next())
+    }
+}
+
+impl<'m> Flight<'m> {
+    pub fn new(room: &'m mut Room) -> Result<Flight<'m>, TooShort> {
+        let [now, before] = &mut room.frames;
+        let [lengths, lengths_before] = &mut room.lengths;
+        let memory = Memory {
+            frames: [now, before],
+            lengths: [lengths, lengths_before],
+            rows: &mut room.rows,
+        };
+        Ok(Flight {
+            denoiser: Denoiser::new(SIZE, memory)?,
+            filter: Atrous::for_spp(SPP),
+            before: None,
+        })
+    }
+
+    /// Renders, cleans and shows frame `number`: `show` gets each row of RGB565, whichever worker has it.
+    pub fn frame(
+        &mut self,
+        pair: &impl Pair,
+        stage: &Stage,
+        number: u32,
+        show: &(impl Fn(usize, &[u16; WIDTH]) + Sync),
+    ) {
+        let place = number % FRAMES;
+        let camera = widened(stage.camera, SIZE.width.into(), SIZE.height.into());
+        let camera = moved(camera, place.min(FRAMES - place));
+        let settings = |scale: u16, spp| Settings {
+            width: scale * SIZE.width,
+            height: scale * SIZE.height,
+            spp,
+        };
+        let renderer = |settings, seed| {
+            let sampler: Independent = Independent::new(seed);
+            Renderer::new(stage.scene, camera, Path::direct(), sampler, settings)
+        };
+
+        let rows = self.denoiser.frame().chunks_exact_mut(SIZE.width.into());
+        let rows = Turns::new((0..).zip(rows));
+        let render = || {
+            let mut renderer = renderer(settings(1, SPP), number);
+            while let Some((y, row)) = rows.next() {
+                for (x, pixel) in (0..).zip(row) {
+                    *pixel = renderer.feature(x, y);
+                }
+            }
+        };
+        pair.both(render, render);
+
+        let before = self.before.replace(camera).unwrap_or(camera);
+        let motion = Motion::between(before, camera, SIZE.width, SIZE.height);
+        let clean = self.denoiser.denoise_by(pair, Some(&motion), &mut self.filter);
+
+        let rows = Turns::new(0..HEIGHT as u16);
+        let raise = || {
+            let renderer = renderer(settings(2, 1), 0);
+            let mut light = [Radiance::BLACK; WIDTH];
+            let mut colours = [0; WIDTH];
+            while let Some(y) = rows.next() {
+                for (x, light) in (0..).zip(&mut light) {
+                    *light = clean.pixel_2x(x, y, &renderer.guide(x, y));
+                }
+                let tile = Tile {
+                    area: Rectangle::new(Point::new(0, y.into()), Extent::new(WIDTH as u32, 1)),
+                    pixels: &light,
+                };
+                for (place, colour) in colours.iter_mut().zip(tile.colors::<Rgb565>(&DISPLAY)) {
+                    *place = colour.into_storage();
+                }
+                show(y.into(), &colours);
+            }
+        };
+        pair.both(raise, raise);
+    }
+}
