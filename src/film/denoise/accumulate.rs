@@ -3,6 +3,7 @@ use super::weight::{Mean, short_normal, turn};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::feature::DEPTH_NOTHING;
+use crate::num::{leading_zeros, mul_hi, recip};
 
 /// Where a pixel's place was in the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,14 +80,34 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
         for (kept, pixel) in current.iter_mut().zip(rows.get(from..).unwrap_or(&[])) {
             *kept = pixel.irradiance;
         }
+        let has_above = first as usize + row > 0;
+        let has_below = row + 1 < height || !below.is_empty();
+        // The three columns about a pixel: each is looked at once.
+        let column = |rows: &[Feature], x: usize| {
+            let mut column = Column::EMPTY;
+            if x >= width {
+                return column;
+            }
+            if let (true, Some(light)) = (has_above, above.get(x)) {
+                column.see(*light);
+            }
+            if let Some(light) = current.get(x) {
+                column.see(*light);
+            }
+            let under = if row + 1 < height {
+                rows.get(from + width + x).map(|pixel| pixel.irradiance)
+            } else {
+                below.get(x).copied()
+            };
+            if let (true, Some(light)) = (has_below, under) {
+                column.see(light);
+            }
+            column
+        };
+        let mut columns = [Column::EMPTY, Column::EMPTY, column(rows, 0)];
         for x in 0..width {
-            let near = Near::read(x, width, |side, dy| match dy {
-                -1 if first as usize + row == 0 => None,
-                -1 => above.get(side).copied(),
-                0 => current.get(side).copied(),
-                _ if row + 1 < height => rows.get(from + width + side).map(|p| p.irradiance),
-                _ => below.get(side).copied(),
-            });
+            columns = [columns[1], columns[2], column(rows, x + 1)];
+            let near = Near::of(&columns);
             let Some(pixel) = rows.get_mut(from + x) else {
                 continue;
             };
@@ -114,97 +135,115 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
     }
 }
 
-/// What is known of the light about a pixel.
-struct Near {
-    /// The two largest luminances of the 3 × 3, as lights.
-    first: (u32, i32),
-    second: (u32, i32),
-    /// Largest of each channel, and least exponent they are under.
+/// The luminance of a light as a number that grows with it; 2^16 more for each octave, 0 for black.
+#[inline]
+fn luma(light: Rgb9e5) -> u32 {
+    let ([r, g, b], exponent) = light.to_parts();
+    // raw: under 2^17
+    let y = 54 * r + 183 * g + 19 * b;
+    if y == 0 {
+        return 0;
+    }
+    let zeros = leading_zeros(y);
+    // The highest bit is in the octave: 64 + 31 − 14 − 24 at least.
+    let octave = (64 + 31 + exponent) as u32 - zeros;
+    (octave << 16) + ((y << zeros << 1) >> 16)
+}
+
+/// What is known of up to three lights, one above the other.
+#[derive(Clone, Copy)]
+struct Column {
+    /// The two largest luminances.
+    first: u32,
+    second: u32,
+    /// Largest of each channel, in 256ths of the exponent, which is the largest one.
     most: [u32; 3],
     exponent: i32,
 }
 
-/// Channel times 2^exponent as mantissa under a common exponent.
-#[inline]
-fn luma(light: Rgb9e5) -> (u32, i32) {
-    let ([r, g, b], exponent) = light.to_parts();
-    (54 * r + 183 * g + 19 * b, exponent)
-}
+impl Column {
+    const EMPTY: Column = Column {
+        first: 0,
+        second: 0,
+        most: [0; 3],
+        exponent: -24,
+    };
 
-/// Whether one luminance is more than another.
-#[inline]
-fn is_more(a: (u32, i32), b: (u32, i32)) -> bool {
-    // raw: under 2^17, so 14 bits of difference fit; beyond them only 0 is not less.
-    let gap = a.1 - b.1;
-    if gap >= 0 {
-        if gap > 14 { a.0 > 0 } else { (a.0 << gap) > b.0 }
-    } else if gap < -14 {
-        b.0 == 0 && a.0 > 0
-    } else {
-        a.0 > (b.0 << -gap)
+    #[inline]
+    fn see(&mut self, light: Rgb9e5) {
+        self.rank(luma(light));
+        let (m, exponent) = light.to_parts();
+        self.measure(m.map(|m| m << 8), exponent);
+    }
+
+    #[inline]
+    fn rank(&mut self, luma: u32) {
+        if luma > self.first {
+            self.second = self.first;
+            self.first = luma;
+        } else if luma > self.second {
+            self.second = luma;
+        }
+    }
+
+    #[inline]
+    fn measure(&mut self, most: [u32; 3], exponent: i32) {
+        let gap = exponent - self.exponent;
+        // raw: under 2^17, so that nothing is left of it after 31 places.
+        let (own, others) = if gap > 0 {
+            self.exponent = exponent;
+            (gap.min(31), 0)
+        } else {
+            (0, (-gap).min(31))
+        };
+        for (kept, most) in self.most.iter_mut().zip(most) {
+            *kept = (*kept >> own).max(most >> others);
+        }
     }
 }
 
+/// What is known of the light about a pixel.
+struct Near(Column);
+
 impl Near {
     #[inline]
-    fn read(x: usize, width: usize, light: impl Fn(usize, i32) -> Option<Rgb9e5>) -> Near {
-        let mut near = Near {
-            first: (0, -24),
-            second: (0, -24),
-            most: [0; 3],
-            exponent: -24,
-        };
-        let mut all = [Rgb9e5::BLACK; 9];
-        let mut found = 0;
-        for dy in -1..=1 {
-            for side in x.saturating_sub(1)..=(x + 1).min(width - 1) {
-                let Some(light) = light(side, dy) else { continue };
-                if let Some(place) = all.get_mut(found) {
-                    *place = light;
-                    found += 1;
-                }
-                let y = luma(light);
-                if is_more(y, near.first) {
-                    near.second = near.first;
-                    near.first = y;
-                } else if is_more(y, near.second) {
-                    near.second = y;
-                }
-                near.exponent = near.exponent.max(light.to_parts().1);
-            }
+    fn of(columns: &[Column; 3]) -> Near {
+        let mut near = columns[1];
+        for side in [&columns[0], &columns[2]] {
+            near.rank(side.first);
+            near.rank(side.second);
+            near.measure(side.most, side.exponent);
         }
-        for light in all.iter().take(found) {
-            let (m, exponent) = light.to_parts();
-            let gap = (near.exponent - exponent).clamp(0, 31);
-            for (most, m) in near.most.iter_mut().zip(m) {
-                *most = (*most).max((m << 8) >> gap);
-            }
-        }
-        near
+        Near(near)
     }
 
     /// The light, made darker by whole octaves until it is no firefly.
     #[inline]
     fn clamped(&self, light: Rgb9e5) -> Rgb9e5 {
-        let (y, mut exponent) = luma(light);
-        let limit = (self.second.0, self.second.1 + FIREFLY as i32);
-        let mut down = 0;
-        while down < 40 && is_more((y, exponent), limit) {
-            exponent -= 1;
-            down += 1;
-        }
-        if down == 0 {
+        let luma = luma(light);
+        let limit = self.0.second + (FIREFLY << 16);
+        if luma <= limit {
             return light;
         }
+        // As many octaves as it takes; beside black nothing is left.
+        let down = match self.0.second {
+            0 => 40,
+            _ => (luma - limit).div_ceil(1 << 16).min(40),
+        };
         let (m, exponent) = light.to_parts();
-        Rgb9e5::from_bits(m, exponent - down)
+        Rgb9e5::from_bits(m, exponent - down as i32)
     }
 
     /// Light of another place, at most twice the brightest here, by channel.
     #[inline]
     fn around(&self, light: Rgb9e5) -> Rgb9e5 {
+        let Near(Column {
+            most,
+            exponent: least,
+            ..
+        }) = *self;
         let (m, exponent) = light.to_parts();
-        let up = exponent - self.exponent;
+        let up = exponent - least;
         let limited = |i: usize| {
             // Both in 256ths of the exponent here. raw: under 2^17 before, and 2^14 more.
             let bits = if up >= 14 {
@@ -214,7 +253,7 @@ impl Near {
             } else {
                 (m[i] << 8) >> (-up).min(31)
             };
-            if m[i] == 0 { 0 } else { bits.min(2 * self.most[i]) }
+            if m[i] == 0 { 0 } else { bits.min(2 * most[i]) }
         };
         let bits = [limited(0), limited(1), limited(2)];
         // As it was, to the last bit, where nothing is too much.
@@ -228,7 +267,7 @@ impl Near {
         if up < 14 && bits == [whole(0), whole(1), whole(2)] {
             return light;
         }
-        Rgb9e5::from_bits(bits, self.exponent - 8)
+        Rgb9e5::from_bits(bits, least - 8)
     }
 }
 
@@ -252,7 +291,6 @@ fn remember<M: Reproject>(
     let corner = place.map(|c| c.wrapping_sub(8));
     let (left, top) = (corner[0] >> 4, corner[1] >> 4);
     let part = corner.map(|c| (c & 15) as u32);
-    let normal = short_normal(pixel);
     let mut taps = [(Rgb9e5::BLACK, 0u32); 4];
     let mut mean = Mean::new();
     let mut lengths = 0;
@@ -270,7 +308,7 @@ fn remember<M: Reproject>(
         let (Some(was), Some(length)) = (past.frame.get(number), past.lengths.get(number)) else {
             continue;
         };
-        if was.id != pixel.id || !is_near(was.depth, depth) || turn(short_normal(was), normal) > TURN_SLACK {
+        if was.id != pixel.id || !is_near(was.depth, depth) || is_turned(was, pixel) {
             continue;
         }
         *tap = (was.irradiance, weight);
@@ -287,7 +325,7 @@ fn remember<M: Reproject>(
     if mean.weight() < 32 {
         return None;
     }
-    let length = (lengths / mean.weight()) as u8;
+    let length = quotient(lengths, mean.weight()) as u8;
     let is_here = part == [0; 2] && (left, top) == (x as i32, y as i32);
     Some((
         Then {
@@ -296,6 +334,21 @@ fn remember<M: Reproject>(
         },
         length,
     ))
+}
+
+/// ⌊a / b⌋, exactly, for a ≤ 15 b and b ≤ 2^8: cheaper than a division where that is no instruction.
+#[inline]
+fn quotient(a: u32, b: u32) -> u32 {
+    let r = recip(b);
+    // raw: a < 2^12; the reciprocal is right to 2^-28, so that the answer is, or one less.
+    let guess = mul_hi(a, r.mantissa) >> (r.shift - 32);
+    guess + u32::from((guess + 1) * b <= a)
+}
+
+#[inline]
+fn is_turned(a: &Feature, b: &Feature) -> bool {
+    // Most look the same way to the last bit: no normal is asked for.
+    a.normal != b.normal && turn(short_normal(a), short_normal(b)) > TURN_SLACK
 }
 
 #[inline]
@@ -310,20 +363,33 @@ fn blend(light: Rgb9e5, then: Rgb9e5, n: u32, noise: u32) -> Rgb9e5 {
     let exponent = ea.max(eb);
     // raw: under 2^9 · 2^16, and 2^3 times that in the sum.
     let wide = |m: u32, e: i32| (m << 16) >> (exponent - e).clamp(0, 31);
+    let n = n.clamp(1, 8);
+    let part = PARTS[n as usize - 1];
     let mixed = |i: usize| {
-        let sum = wide(a[i], ea) + wide(b[i], eb) * n.saturating_sub(1);
-        // raw: under 2^25 after the division by 1 ..= 8
-        (sum + n / 2) / n.max(1)
+        let sum = wide(a[i], ea) + wide(b[i], eb) * (n - 1) + n / 2;
+        // raw: under 2^28 + 4, times what the part is off by, under 8: under 2^32 / 8, so that this is the quotient.
+        if n == 1 { sum } else { mul_hi(sum, part) }
     };
     let bits = [mixed(0), mixed(1), mixed(2)];
     dithered(bits, exponent - 16, noise)
 }
 
+/// 2^32 over 1 ..= 8, rounded up, but for the first.
+const PARTS: [u32; 8] = {
+    let mut parts = [u32::MAX; 8];
+    let mut n = 2;
+    while n <= 8 {
+        parts[n - 1] = (1u64 << 32).div_ceil(n as u64) as u32;
+        n += 1;
+    }
+    parts
+};
+
 /// [`Rgb9e5::from_bits`] that rounds up with a chance of what is left over.
 #[inline]
 fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Rgb9e5 {
     let all = bits[0] | bits[1] | bits[2];
-    let filled = 32 - crate::num::leading_zeros(all) as i32;
+    let filled = 32 - leading_zeros(all) as i32;
     let shift = (filled - 9).max(-24 - exponent).clamp(0, 31) as u32;
     let mask = (1u32 << shift) - 1;
     // A chance for each channel.

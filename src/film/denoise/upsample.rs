@@ -18,7 +18,16 @@ pub fn upsample(
     [x, y]: [u16; 2],
     guide: &Feature,
 ) -> Radiance {
-    let normal = short_normal(guide);
+    // Most look the same way as the guide to the last bit: no normal is asked for.
+    let mut normal = None;
+    let mut turned = |pixel: &Feature| {
+        let normal = *normal.get_or_insert_with(|| short_normal(guide));
+        if pixel.normal == guide.normal {
+            turn(normal, normal)
+        } else {
+            turn(short_normal(pixel), normal)
+        }
+    };
     // The middle of the fine pixel lies a quarter of a coarse one beside a middle, left and up if it is even.
     let near = [x, y].map(|c| (c / 2) as i32);
     let far = [x, y].map(|c| (c / 2) as i32 + if c % 2 == 0 { -1 } else { 1 });
@@ -31,7 +40,7 @@ pub fn upsample(
         let (Some(pixel), Some(light)) = (frame.get(there), light.get(there)) else {
             continue;
         };
-        let mut unlike = turn(short_normal(pixel), normal) * UNLIKE[1];
+        let mut unlike = turned(pixel) * UNLIKE[1];
         unlike += pixel.depth.abs_diff(guide.depth) as u32 * UNLIKE[2];
         if pixel.id != guide.id {
             unlike += UNLIKE[0];

@@ -82,11 +82,14 @@ impl Mean {
 
     #[inline]
     pub(super) fn add(&mut self, light: Rgb9e5, weight: u32) {
-        let (m, exponent) = light.to_parts();
+        const BITS: u32 = 511 << 9;
+        let (_, exponent) = light.to_parts();
         let gap = (self.exponent - exponent).clamp(0, 31);
-        for (sum, m) in self.sum.iter_mut().zip(m) {
+        // The mantissas times 2^9, from where they stand.
+        let parts = [light.0 << 9, light.0, light.0 >> 9];
+        for (sum, part) in self.sum.iter_mut().zip(parts) {
             // raw: (511 · 2^9) · 2^14 < 2^32
-            *sum = sum.wrapping_add(((m << 9) >> gap) * weight);
+            *sum = sum.wrapping_add(((part & BITS) >> gap) * weight);
         }
         self.weight += weight;
     }
