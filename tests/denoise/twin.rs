@@ -120,18 +120,18 @@ fn accumulated(now: &Frame, past: &Frame, moved: [f64; 2]) -> Frame {
 }
 
 fn step(frame: &Frame, step: usize, filter: &Atrous) -> Frame {
-    let spline = [0.0625, 0.25, 0.375, 0.25, 0.0625];
+    let tent = [0.25, 0.5, 0.25];
     let spacing = 1 << step;
     each(|x, y| {
         let mut pixel = *at(frame, x, y).unwrap();
         let own = pixel;
         let (mut sum, mut weight) = ([0.0; 3], 0.0);
-        for i in 0..25 {
-            let (dx, dy) = (i % 5, i / 5);
+        for i in 0..9 {
+            let (dx, dy) = (i % 3, i / 3);
             let Some(tap) = at(
                 frame,
-                x + (dx as i64 - 2) * spacing,
-                y + (dy as i64 - 2) * spacing,
+                x + (dx as i64 - 1) * spacing,
+                y + (dy as i64 - 1) * spacing,
             ) else {
                 continue;
             };
@@ -148,7 +148,7 @@ fn step(frame: &Frame, step: usize, filter: &Atrous) -> Frame {
             } else {
                 f64::from(filter.id)
             };
-            let share = spline[dx] * spline[dy] * 2f64.powf(-(luma + turned + far + other) / 8.0);
+            let share = tent[dx] * tent[dy] * 2f64.powf(-(luma + turned + far + other) / 8.0);
             sum = [0, 1, 2].map(|i| sum[i] + share * tap.light[i]);
             weight += share;
         }

@@ -25,8 +25,8 @@ const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
 /// Stages by the number of their region.
 pub const STAGES: [&str; 8] = [
     "firefly clamp, history",
-    "à-trous, 4 steps",
-    "à-trous, 5 steps",
+    "à-trous, for 1 sample",
+    "à-trous, for 4 samples",
     "network, extraction",
     "network, filter",
     "twice the size",

@@ -1,5 +1,5 @@
 use super::Size;
-use super::weight::{Mean, short_normal, turn};
+use super::weight::{Mean, turn_of};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::feature::DEPTH_NOTHING;
@@ -308,7 +308,7 @@ fn remember<M: Reproject>(
         let (Some(was), Some(length)) = (past.frame.get(number), past.lengths.get(number)) else {
             continue;
         };
-        if was.id != pixel.id || !is_near(was.depth, depth) || is_turned(was, pixel) {
+        if was.id != pixel.id || !is_near(was.depth, depth) || turn_of(was, pixel) > TURN_SLACK {
             continue;
         }
         *tap = (was.irradiance, weight);
@@ -343,12 +343,6 @@ fn quotient(a: u32, b: u32) -> u32 {
     // raw: a < 2^12; the reciprocal is right to 2^-28, so that the answer is, or one less.
     let guess = mul_hi(a, r.mantissa) >> (r.shift - 32);
     guess + u32::from((guess + 1) * b <= a)
-}
-
-#[inline]
-fn is_turned(a: &Feature, b: &Feature) -> bool {
-    // Most look the same way to the last bit: no normal is asked for.
-    a.normal != b.normal && turn(short_normal(a), short_normal(b)) > TURN_SLACK
 }
 
 #[inline]

@@ -43,14 +43,6 @@ impl Size {
     const fn upper(self) -> usize {
         self.width as usize * (self.height as usize).div_ceil(2)
     }
-
-    /// The number of pixel (x, y), row by row; the nearest where there is none.
-    #[inline]
-    fn clamped(self, x: i32, y: i32) -> usize {
-        let x = x.clamp(0, (self.width as i32 - 1).max(0)) as usize;
-        let y = y.clamp(0, (self.height as i32 - 1).max(0)) as usize;
-        y * self.width as usize + x
-    }
 }
 
 /// What a [`Denoiser`] works in; each slice at least as long as its line says.

@@ -1,7 +1,8 @@
 use super::Size;
-use super::weight::{FALL, FAR, Mean, shines, short_normal, turn};
+use super::weight::{FALL, FAR, Mean, shines, turn_of};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
+use zerocopy::transmute_ref;
 
 /// Half-lives, in eighths, that tell neighbours apart: for another number, for a turn by a cosine of 1 − 1/127, for a code
 /// of distance.
@@ -18,34 +19,35 @@ pub fn upsample(
     [x, y]: [u16; 2],
     guide: &Feature,
 ) -> Radiance {
-    // Most look the same way as the guide to the last bit: no normal is asked for.
-    let mut normal = None;
-    let mut turned = |pixel: &Feature| {
-        let normal = *normal.get_or_insert_with(|| short_normal(guide));
-        if pixel.normal == guide.normal {
-            turn(normal, normal)
-        } else {
-            turn(short_normal(pixel), normal)
-        }
-    };
     // The middle of the fine pixel lies a quarter of a coarse one beside a middle, left and up if it is even.
-    let near = [x, y].map(|c| (c / 2) as i32);
-    let far = [x, y].map(|c| (c / 2) as i32 + if c % 2 == 0 { -1 } else { 1 });
+    let both = |c: u16, side: u16| {
+        let near = (c / 2) as i32;
+        let far = if c.is_multiple_of(2) { near - 1 } else { near + 1 };
+        [near, far].map(|c| c.clamp(0, (side as i32 - 1).max(0)) as usize)
+    };
+    let columns = both(x, size.width);
+    let rows = both(y, size.height).map(|y| y * size.width as usize);
+    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(guide);
+    let is_lamp = shines(seen);
+    let depth = u32::from_le(seen) >> 24;
     let mut taps = [(Rgb9e5::BLACK, 0); 4];
     let mut mean = Mean::new();
     for (i, tap) in taps.iter_mut().enumerate() {
-        let tx = if i & 1 == 0 { near[0] } else { far[0] };
-        let ty = if i & 2 == 0 { near[1] } else { far[1] };
-        let there = size.clamped(tx, ty);
+        let there = rows[i >> 1] + columns[i & 1];
         let (Some(pixel), Some(light)) = (frame.get(there), light.get(there)) else {
             continue;
         };
-        let mut unlike = turned(pixel) * UNLIKE[1];
-        unlike += pixel.depth.abs_diff(guide.depth) as u32 * UNLIKE[2];
-        if pixel.id != guide.id {
-            unlike += UNLIKE[0];
+        let &[_, tap_seen, tap_looks]: &[u32; 3] = transmute_ref!(pixel);
+        let mut unlike = (u32::from_le(tap_seen) >> 24).abs_diff(depth) * UNLIKE[2];
+        // Most are of the same thing and look the same way, to the last bit.
+        let differs = u32::from_le(tap_looks ^ looks);
+        if differs != 0 {
+            unlike += turn_of(pixel, guide) * UNLIKE[1];
+            if differs >> 16 != 0 {
+                unlike += UNLIKE[0];
+            }
         }
-        if shines(pixel) != shines(guide) {
+        if shines(tap_seen) != is_lamp {
             unlike = FAR;
         }
         let share = [9, 3, 3, 1][i];
@@ -54,9 +56,7 @@ pub fn upsample(
         mean.see(*light);
     }
     for (light, weight) in taps {
-        if weight > 0 {
-            mean.add(light, weight);
-        }
+        mean.add(light, weight);
     }
     if mean.weight() == 0 {
         return Radiance::BLACK;

@@ -1,7 +1,6 @@
 //! How much one pixel may say of another: half-lives add up, one table makes a weight of them.
 
 use super::super::Feature;
-use super::super::feature::DEPTH_NOTHING;
 use crate::color::Rgb9e5;
 use crate::num::{leading_zeros, recip};
 
@@ -32,10 +31,22 @@ pub(super) fn turn(a: [i8; 3], b: [i8; 3]) -> u32 {
     ((127 * 127 - dot).max(0) >> 7).min(127) as u32
 }
 
-/// Whether a pixel is nothing but a lamp (or as white as can be).
+/// [`turn`] between two pixels' normals. Most look the same way to the last bit: nothing is asked for then.
 #[inline]
-pub(super) fn shines(pixel: &Feature) -> bool {
-    pixel.albedo == [255; 3] && pixel.depth != DEPTH_NOTHING
+pub(super) fn turn_of(a: &Feature, b: &Feature) -> u32 {
+    if a.normal == b.normal {
+        0
+    } else {
+        turn(short_normal(a), short_normal(b))
+    }
+}
+
+/// Whether a pixel is nothing but a lamp (or as white as can be): from its word of albedo and distance as it lies in memory.
+#[inline(always)]
+pub(super) fn shines(word: u32) -> bool {
+    let word = u32::from_le(word);
+    // White, and not infinitely far away, which has a distance of 255.
+    word | 0xff << 24 == u32::MAX && word != u32::MAX
 }
 
 /// The logarithm of luminance, eighths of an octave from 2^-15 (1) on; 0 for black.
@@ -63,7 +74,8 @@ pub(super) fn luma_code(light: Rgb9e5) -> u8 {
 pub(super) struct Mean {
     sum: [u32; 3],
     weight: u32,
-    exponent: i32,
+    /// As [`Rgb9e5`] has it in its highest bits.
+    exponent: u32,
 }
 
 impl Mean {
@@ -71,25 +83,24 @@ impl Mean {
         Mean {
             sum: [0; 3],
             weight: 0,
-            exponent: -24,
+            exponent: 0,
         }
     }
 
     #[inline]
     pub(super) fn see(&mut self, light: Rgb9e5) {
-        self.exponent = self.exponent.max(light.to_parts().1);
+        self.exponent = self.exponent.max(light.0 >> 27);
     }
 
     #[inline]
     pub(super) fn add(&mut self, light: Rgb9e5, weight: u32) {
         const BITS: u32 = 511 << 9;
-        let (_, exponent) = light.to_parts();
-        let gap = (self.exponent - exponent).clamp(0, 31);
+        let gap = self.exponent.wrapping_sub(light.0 >> 27) & 31;
         // The mantissas times 2^9, from where they stand.
         let parts = [light.0 << 9, light.0, light.0 >> 9];
         for (sum, part) in self.sum.iter_mut().zip(parts) {
             // raw: (511 · 2^9) · 2^14 < 2^32
-            *sum = sum.wrapping_add(((part & BITS) >> gap) * weight);
+            *sum = sum.wrapping_add(((part & BITS) >> gap).wrapping_mul(weight));
         }
         self.weight += weight;
     }
@@ -105,12 +116,22 @@ impl Mean {
         // All the bits there are: what the product's low word would have had is 2^-31 of the largest.
         let zeros = leading_zeros(self.sum[0] | self.sum[1] | self.sum[2] | 1);
         let bits = self.sum.map(|sum| crate::num::mul_hi(sum << zeros, r.mantissa));
-        (bits, self.exponent - 9 + 32 - r.shift as i32 - zeros as i32)
+        (
+            bits,
+            self.exponent as i32 - 24 - 9 + 32 - r.shift as i32 - zeros as i32,
+        )
     }
 
     #[inline]
     pub(super) fn light(&self) -> Rgb9e5 {
         let (bits, exponent) = self.divided();
+        // The largest has 31 bits or 32: what `from_bits` does, where it has no end of the range to mind.
+        let shift = 22 + ((bits[0] | bits[1] | bits[2]) >> 31);
+        let [r, g, b] = bits.map(|b| ((b >> (shift - 1)) + 1) >> 1);
+        let e = exponent + shift as i32 + 24;
+        if (256..512).contains(&(r | g | b)) && (0..32).contains(&e) {
+            return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
+        }
         Rgb9e5::from_bits(bits, exponent)
     }
 }

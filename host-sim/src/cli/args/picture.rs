@@ -58,7 +58,7 @@ pub enum DenoiseArg {
     /// As it is rendered
     #[default]
     Off,
-    /// A 5 x 5 blur again and again that stops at edges
+    /// A 3 x 3 blur again and again that stops at edges
     Atrous,
     /// A small neural network that says how far pixels may be mixed
     Neural,
