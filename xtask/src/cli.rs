@@ -4,8 +4,8 @@ use anyhow::Result;
 use clap::{Parser, Subcommand};
 
 use crate::{
-    accuracy, bench_bdpt, bench_host, ci, device, fuzz, golden, growth, layers, no_float, profile, raystones,
-    sampling, setup, shell,
+    accuracy, bench_bdpt, bench_denoiser, bench_host, ci, device, fuzz, golden, growth, layers, no_float,
+    profile, raystones, sampling, setup, shell,
 };
 
 /// The chores of microlux.
@@ -51,6 +51,10 @@ enum Chore {
     ///
     /// Prints the tables and writes them into docs/performance.md.
     Profile(profile::Options),
+    /// Count what each stage of the denoiser takes on emulated cores
+    ///
+    /// Prints the table and writes it into docs/denoiser.md.
+    BenchDenoiser(bench_denoiser::Options),
     /// Count what a ray costs as triangles, strips and samples become more
     ///
     /// Writes the tables and a curve into docs/performance.md and docs/img.
@@ -89,6 +93,7 @@ impl Xtask {
             Chore::BenchHost(options) => bench_host::run(&options),
             Chore::Raystones(options) => raystones::run(&options),
             Chore::Profile(options) => profile::run(&options),
+            Chore::BenchDenoiser(options) => bench_denoiser::run(&options),
             Chore::Growth(options) => growth::run(&options),
             Chore::BenchBdpt(options) => bench_bdpt::run(&options),
             Chore::Sampling(options) => sampling::run(&options),

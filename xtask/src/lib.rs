@@ -5,6 +5,7 @@
 
 pub mod accuracy;
 pub mod bench_bdpt;
+pub mod bench_denoiser;
 pub mod bench_host;
 pub mod bench_seed;
 pub mod board;
