@@ -173,11 +173,13 @@ impl Sum {
         };
         let albedo = self
             .albedo
-            .map(|sum| Share::from_bits(mean(sum).min(1 << 15) as u16));
+            .map(|sum| albedo_code(Share::from_bits(mean(sum).min(1 << 15) as u16)));
         let radiance = mean_q32(self.radiance, self.count);
+        // By what it will be multiplied with, so that the code's rounding cancels.
+        let by = Albedo(albedo.map(albedo_share));
         Feature {
-            irradiance: Rgb9e5::encode(demodulate(radiance, Albedo(albedo))),
-            albedo: albedo.map(albedo_code),
+            irradiance: Rgb9e5::encode(demodulate(radiance, by)),
+            albedo,
             depth: ((mean(self.depth) + 128) >> 8).min(255) as u8,
             normal: Octahedral::encode(Dir::new(self.normal).unwrap_or(Dir::Z)),
             id: self.id.0,
@@ -295,13 +297,18 @@ mod tests {
 
     #[test]
     fn a_pixel_is_the_mean_of_its_samples() {
-        // A white and a half grey surface under light of 1: irradiance 1 in both, and no trace of the edge in it.
+        // A white and a half grey surface under light of 1: irradiance 1 in both, but for
+        // what the albedo's byte is off, and no trace of the edge in it.
         let mut sum = Sum::default();
         sum.add(&sample([1 << 15; 3], [1 << 15; 3], 7));
         sum.add(&sample([1 << 14; 3], [1 << 14; 3], 9));
         sum.add(&sample([1 << 14; 3], [1 << 14; 3], 9));
         let pixel = sum.mean();
-        assert_eq!(pixel.irradiance.decode(), Radiance::WHITE);
+        assert!(
+            value(pixel.irradiance.decode())
+                .iter()
+                .all(|c| (c - 1.0).abs() < 0.005)
+        );
         assert_eq!((pixel.id, pixel.depth), (9, 144));
         let exact = 2.0 / 3.0;
         assert!(value(pixel.radiance()).iter().all(|c| (c - exact).abs() < 0.002));
@@ -314,6 +321,14 @@ mod tests {
             value(sum.mean().radiance())
                 .iter()
                 .all(|c| (c - 0.25).abs() < 0.001)
+        );
+        // 0.0405, of which the albedo's byte makes 0.0400.
+        let mut sum = Sum::default();
+        sum.add(&sample([1327; 3], [1327; 3], 7));
+        assert!(
+            value(sum.mean().radiance())
+                .iter()
+                .all(|c| (c - 0.0405).abs() < 0.0001)
         );
         // Black stays black, and is not divided by.
         let mut sum = Sum::default();
