@@ -243,6 +243,7 @@ pub struct Motion {
     now: FilmPlane,
     before: FilmPlane,
     is_still: bool,
+    is_whole: bool,
 }
 
 impl Motion {
@@ -252,6 +253,15 @@ impl Motion {
             now: now.film(width, height),
             before: before.film(width, height),
             is_still: now == before,
+            is_whole: false,
+        }
+    }
+
+    /// For a picture that is shown at the size it is rendered: see [`Reproject::is_whole`].
+    pub fn whole(self) -> Motion {
+        Motion {
+            is_whole: self.is_still,
+            ..self
         }
     }
 }
@@ -275,6 +285,10 @@ impl Reproject for Motion {
         // Q12 to sixteenths.
         let place = self.before.place(point)?.map(|c| (c + (1 << 7)) >> 8);
         Some(Before { place, depth })
+    }
+
+    fn is_whole(&self) -> bool {
+        self.is_whole
     }
 }
 

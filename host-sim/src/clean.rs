@@ -236,7 +236,10 @@ impl Sequence<'_> {
             }
             Denoise::Atrous | Denoise::Neural => {
                 let before = self.before.replace(camera).unwrap_or(camera);
-                let motion = Motion::between(before, camera, size.width, size.height);
+                let mut motion = Motion::between(before, camera, size.width, size.height);
+                if self.frames.cleaning.upscale == 1 {
+                    motion = motion.whole();
+                }
                 let clean = self
                     .denoiser
                     .denoise_by(&Threads, Some(&motion), &mut self.filter);

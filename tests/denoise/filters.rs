@@ -23,6 +23,10 @@ impl Reproject for Still {
             depth,
         })
     }
+
+    fn is_whole(&self) -> bool {
+        true
+    }
 }
 
 /// Anything at all.
@@ -41,11 +45,16 @@ impl Reproject for Wild {
                 place: [i32::MIN, i32::MAX],
                 depth,
             }),
+            3 => Still.before(x, y, depth),
             _ => Some(Before {
                 place: [random.below(400) as i32, random.below(300) as i32],
                 depth,
             }),
         }
+    }
+
+    fn is_whole(&self) -> bool {
+        self.0.is_multiple_of(2)
     }
 }
 
@@ -217,6 +226,110 @@ fn what_was_uncovered_has_no_past() {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(Some(&Shift([16 * i32::from(SIZE.width), 0])), &mut Off);
         assert!(clean.light.iter().zip(&pixels).all(|(l, p)| *l == p.irradiance));
+    });
+}
+
+/// Two walls that meet in a column, whose pixels are of one of them by chance.
+fn corner(random: &mut Random) -> Vec<Feature> {
+    let pixel = |i: usize| {
+        let x = i % usize::from(SIZE.width);
+        let is_right = x > 9 || x == 9 && random.below(2) == 1;
+        Feature {
+            irradiance: if is_right {
+                light([3 << 14; 3], -15)
+            } else {
+                light([1 << 14; 3], -15)
+            },
+            albedo: [if is_right { 240 } else { 90 }; 3],
+            depth: 100,
+            normal: Octahedral([0, 0]),
+            id: u16::from(is_right),
+        }
+    };
+    (0..SIZE.pixels()).map(pixel).collect()
+}
+
+#[test]
+fn a_silhouette_at_rest_is_the_mean_of_both_sides() {
+    let share = |code: u8| f64::from(microlux::film::feature::albedo_share(code).to_bits()) / 32768.0;
+    let mut random = Random(21);
+    let frames: Vec<_> = (0..8).map(|_| corner(&mut random)).collect();
+    with_denoiser(SIZE, |denoiser| {
+        for pixels in &frames[..7] {
+            denoiser.frame().copy_from_slice(pixels);
+            denoiser.denoise(Some(&Still), &mut Off);
+        }
+        denoiser.frame().copy_from_slice(&frames[7]);
+        let clean = denoiser.denoise(Some(&Still), &mut Off);
+        let (mut worst, mut bias) = ([0f64; 2], [0f64; 2]);
+        for (i, pixel) in clean.frame.iter().enumerate() {
+            if i % usize::from(SIZE.width) != 9 {
+                let was = &frames[7][i];
+                assert_eq!((pixel.albedo, pixel.irradiance), (was.albedo, was.irradiance));
+                continue;
+            }
+            let mean = |of: &dyn Fn(&Feature) -> f64| frames.iter().map(|f| of(&f[i])).sum::<f64>() / 8.0;
+            let seen: [&dyn Fn(&Feature) -> f64; 2] =
+                [&|p| share(p.albedo[1]), &|p| value(p.irradiance.decode())[1]];
+            for (k, of) in seen.into_iter().enumerate() {
+                let off = of(pixel) - mean(of);
+                worst[k] = worst[k].max(off.abs());
+                bias[k] += off / f64::from(SIZE.height);
+            }
+        }
+        // Steps of the albedo's code are 0.008 at most, those of light 0.004.
+        assert!(worst[0] < 0.02 && worst[1] < 0.012, "{worst:?}");
+        assert!(bias.iter().all(|bias| bias.abs() < 0.006), "{bias:?}");
+        // As soon as anything moves each thing keeps its own.
+        denoiser.frame().copy_from_slice(&frames[0]);
+        let clean = denoiser.denoise(Some(&Shift([0, 0])), &mut Off);
+        assert!(
+            clean
+                .frame
+                .iter()
+                .zip(&frames[0])
+                .all(|(c, p)| c.albedo == p.albedo)
+        );
+    });
+}
+
+/// What is far stays, what is near goes to the right by two pixels.
+struct Passing;
+
+impl Reproject for Passing {
+    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
+        let [left, top] = [x, y].map(|c| 16 * i32::from(c) + 8);
+        let place = [if depth == 255 { left } else { left - 32 }, top];
+        Some(Before { place, depth })
+    }
+}
+
+#[test]
+fn what_goes_away_leaves_no_trail() {
+    let sky = light([1 << 12; 3], -15);
+    let frame = |number: usize| -> Vec<Feature> {
+        let pixel = |i: usize| {
+            let x = i % usize::from(SIZE.width);
+            let is_near = (2 * number..2 * number + 6).contains(&x);
+            Feature {
+                irradiance: if is_near { light([9 << 15; 3], -15) } else { sky },
+                albedo: [if is_near { 200 } else { 255 }; 3],
+                depth: if is_near { 80 } else { 255 },
+                normal: Octahedral([0, 0]),
+                id: if is_near { 3 } else { ID_NOTHING },
+            }
+        };
+        (0..SIZE.pixels()).map(pixel).collect()
+    };
+    with_denoiser(SIZE, |denoiser| {
+        for number in 0..8 {
+            let pixels = frame(number);
+            denoiser.frame().copy_from_slice(&pixels);
+            let clean = denoiser.denoise(Some(&Passing), &mut Off);
+            for (i, (found, pixel)) in clean.frame.iter().zip(&pixels).enumerate() {
+                assert_eq!(found, pixel, "frame {number}, {i}");
+            }
+        }
     });
 }
 

@@ -2,8 +2,8 @@ use super::Size;
 use super::weight::{Mean, turn_of};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::feature::DEPTH_NOTHING;
-use crate::num::{leading_zeros, mul_hi, recip};
+use crate::film::feature::{DEPTH_NOTHING, albedo_share};
+use crate::num::{isqrt, leading_zeros, mul_hi, recip};
 
 /// Where a pixel's place was in the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,6 +18,13 @@ pub struct Before {
 pub trait Reproject: Sync {
     /// Where what is seen in the middle of pixel (x, y), at this [`Feature::depth`], was before; `None` if out of sight.
     fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before>;
+
+    /// Whether nothing moved, and pixels are remembered as a whole: silhouettes that go through them, and their albedo.
+    ///
+    /// Not for pictures that are made twice as large: each of their pixels is of one thing.
+    fn is_whole(&self) -> bool {
+        false
+    }
 }
 
 /// The frame before: its light is what had been gathered up to it.
@@ -115,14 +122,17 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
             let at = (x as u16, first.wrapping_add(row as u16));
             let (light, length) = match past.and_then(|past| remember(size, past, pixel, at)) {
                 Some((then, length)) => {
-                    let then = if then.is_here {
+                    let length = (length + 1).min(MOST);
+                    let noise = hash(at.0 as u32 | (at.1 as u32) << 16, count);
+                    if let Some(albedo) = then.albedo {
+                        pixel.albedo = blend_albedo(pixel.albedo, albedo, length as u32, noise);
+                    }
+                    let before = if then.is_here {
                         then.light
                     } else {
                         near.around(then.light)
                     };
-                    let length = (length + 1).min(MOST);
-                    let noise = hash(at.0 as u32 | (at.1 as u32) << 16, count);
-                    (blend(light, then, length as u32, noise), length)
+                    (blend(light, before, length as u32, noise), length)
                 }
                 None => (light, 1),
             };
@@ -271,14 +281,20 @@ impl Near {
     }
 }
 
-/// Light remembered.
+/// What is remembered.
 struct Then {
     light: Rgb9e5,
     /// Of the very same pixel.
     is_here: bool,
+    /// Of a whole pixel.
+    albedo: Option<[u8; 3]>,
 }
 
 /// What the past knows of a pixel, and of how many frames.
+///
+/// A whole pixel ([`Reproject::is_whole`]) is the same piece of the picture: all of it counts, and its albedo, too. A
+/// silhouette goes through it where the samples meet one thing now and another then; the one of now was then to be seen
+/// beside it.
 #[inline]
 fn remember<M: Reproject>(
     size: Size,
@@ -287,6 +303,29 @@ fn remember<M: Reproject>(
     (x, y): (u16, u16),
 ) -> Option<(Then, u8)> {
     let Before { place, depth } = past.motion.before(x, y, pixel.depth)?;
+    let is_alike =
+        |was: &Feature| was.id == pixel.id && is_near(was.depth, depth) && turn_of(was, pixel) <= TURN_SLACK;
+    let at = |tx: i32, ty: i32| -> Option<(&Feature, u8)> {
+        let is_inside = (0..size.width as i32).contains(&tx) && (0..size.height as i32).contains(&ty);
+        if !is_inside {
+            return None;
+        }
+        let number = ty as usize * size.width as usize + tx as usize;
+        Some((past.frame.get(number)?, *past.lengths.get(number)?))
+    };
+    let (here_x, here_y) = (x as i32, y as i32);
+    let is_here = place == [here_x, here_y].map(|c| 16 * c + 8);
+    if is_here && past.motion.is_whole() {
+        let (was, length) = at(here_x, here_y)?;
+        let mut around = (0..9).filter_map(|i| at(here_x + i % 3 - 1, here_y + i / 3 - 1));
+        let is_known = is_alike(was) || around.any(|(was, _)| is_alike(was));
+        let then = Then {
+            light: was.irradiance,
+            is_here,
+            albedo: Some(was.albedo),
+        };
+        return is_known.then_some((then, length.min(15)));
+    }
     // The four pixels whose middles are about it.
     let corner = place.map(|c| c.wrapping_sub(8));
     let (left, top) = (corner[0] >> 4, corner[1] >> 4);
@@ -296,25 +335,17 @@ fn remember<M: Reproject>(
     let mut lengths = 0;
     for (i, tap) in taps.iter_mut().enumerate() {
         let (dx, dy) = (i as i32 & 1, i as i32 >> 1);
-        let (tx, ty) = (left + dx, top + dy);
         let across = if dx == 0 { 16 - part[0] } else { part[0] };
         let down = if dy == 0 { 16 - part[1] } else { part[1] };
         let weight = across * down;
-        let is_inside = (0..size.width as i32).contains(&tx) && (0..size.height as i32).contains(&ty);
-        if weight == 0 || !is_inside {
-            continue;
-        }
-        let number = ty as usize * size.width as usize + tx as usize;
-        let (Some(was), Some(length)) = (past.frame.get(number), past.lengths.get(number)) else {
+        let Some((was, length)) = at(left + dx, top + dy).filter(|(was, _)| weight > 0 && is_alike(was))
+        else {
             continue;
         };
-        if was.id != pixel.id || !is_near(was.depth, depth) || turn_of(was, pixel) > TURN_SLACK {
-            continue;
-        }
         *tap = (was.irradiance, weight);
         mean.see(was.irradiance);
         // 15 at most, so that memory with anything in it does no harm.
-        lengths += (*length).min(15) as u32 * weight;
+        lengths += length.min(15) as u32 * weight;
     }
     for (light, weight) in taps {
         if weight > 0 {
@@ -326,14 +357,12 @@ fn remember<M: Reproject>(
         return None;
     }
     let length = quotient(lengths, mean.weight()) as u8;
-    let is_here = part == [0; 2] && (left, top) == (x as i32, y as i32);
-    Some((
-        Then {
-            light: mean.light(),
-            is_here,
-        },
-        length,
-    ))
+    let then = Then {
+        light: mean.light(),
+        is_here,
+        albedo: None,
+    };
+    Some((then, length))
 }
 
 /// ⌊a / b⌋, exactly, for a ≤ 15 b and b ≤ 2^8: cheaper than a division where that is no instruction.
@@ -378,6 +407,26 @@ const PARTS: [u32; 8] = {
     }
     parts
 };
+
+/// The same of codes of albedo, by the shares they stand for.
+#[inline]
+fn blend_albedo(albedo: [u8; 3], then: [u8; 3], n: u32, noise: u32) -> [u8; 3] {
+    let n = n.clamp(1, 8);
+    let part = PARTS[n as usize - 1];
+    let share = |code: u8| albedo_share(code).to_bits() as u32;
+    let mixed = |i: usize| {
+        if albedo[i] == then[i] {
+            return albedo[i];
+        }
+        let sum = share(albedo[i]) + share(then[i]) * (n - 1) + n / 2;
+        // raw: under 2^18 + 4: the quotient, as in `blend`.
+        let mean = if n == 1 { sum } else { mul_hi(sum, part) };
+        // 256 · 255 · √(a/2^15) = √(a · 130050). raw: a ≤ 2^15, so under 2^32.
+        let code = isqrt(mean * 130_050);
+        ((code + (noise.rotate_left(11 * i as u32) & 255)) >> 8) as u8
+    };
+    [mixed(0), mixed(1), mixed(2)]
+}
 
 /// [`Rgb9e5::from_bits`] that rounds up with a chance of what is left over.
 #[inline]
