@@ -3,7 +3,7 @@
 use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
-    film::denoise::network::{Input, Needs, Network, Scratch, TRAINED, irradiance},
+    film::denoise::network::{Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
     film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Size, accumulate},
     integrator::Path,
     num::Crc,
@@ -188,7 +188,8 @@ fn clean(room: &mut Room) -> u32 {
         return 0;
     };
     region::count(3, || {
-        network.extract(|at| Input::new(&now[at], lengths[at].into()));
+        let exposure = exposure(now);
+        network.extract(|at| Input::new(&now[at], lengths[at].into(), exposure));
     });
     let done = region::count(4, || {
         for (light, pixel) in own.iter_mut().zip(&*now) {
