@@ -8,8 +8,8 @@ use zerocopy::{FromBytes, IntoBytes};
 /// how alike two pixels are.
 ///
 /// Dammertz, Sewtz, Hanika and Lensch, "Edge-Avoiding À-Trous Wavelet Transform for fast Global Illumination Filtering",
-/// High Performance Graphics 2010, whose 5 × 5 spline takes 25 taps where this takes 9. Unlikeness is counted in eighths of a halving and added up: turned normals, distance,
-/// another thing's number, luminance.
+/// High Performance Graphics 2010, whose 5 × 5 spline takes 25 taps where this takes 9. Unlikeness is counted in eighths of a
+/// halving and added up: turned normals, distance, another thing's number, luminance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Atrous {
     /// Steps, 0 ..= 5.
@@ -149,11 +149,11 @@ impl<'a> Row<'a> {
 
     /// Row y; an empty one beside the picture.
     fn of(whole: &Whole<'a>, y: i32) -> Row<'a> {
-        let width = whole.size.width as usize;
-        let range = y as usize * width..(y as usize + 1) * width;
         if y < 0 || y >= whole.size.height as i32 {
             return Row::EMPTY;
         }
+        let width = whole.size.width as usize;
+        let range = y as usize * width..(y as usize + 1) * width;
         match (
             whole.frame.get(range.clone()),
             whole.aside.get(range.clone()),
