@@ -11,7 +11,7 @@ pub fn encode(picture: &Picture) -> Vec<u8> {
     bytes
 }
 
-/// What [`encode`] writes, and others that say as much in three lines.
+/// What `encode` writes, and others that say as much in three lines.
 pub fn decode(bytes: &[u8]) -> Result<Picture, String> {
     let mut parts = bytes.splitn(4, |&byte| byte == b'\n');
     let mut line = || parts.next().and_then(|line| std::str::from_utf8(line).ok());
