@@ -9,6 +9,8 @@ mod build;
 mod check;
 mod mesh;
 mod node;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+mod one_by_one;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
 mod traverse;

@@ -1,11 +1,11 @@
-//! A node's four boxes at once, by SSE2, which every x86-64 has: the same bits as [`super::traverse`] has them one by one.
+//! A node's four boxes at once, by SSE2, which every x86-64 has: the same bits as `one_by_one` has.
 //!
 //! Safe: none of these intrinsics takes a pointer.
 //!
 //! # Why nothing wraps
 //!
-//! `mul_i16_horizontal_add_m128i` adds two products of signed 16 bits: slopes are within ±2^13, planes under 2^8; grid coordinates are
-//! moved down by 2^15, which the constant added after takes back. All that it makes is within ±2^29.
+//! `mul_i16_horizontal_add_m128i` adds two products of signed 16 bits: slopes are within ±2^13, planes under 2^8; grid
+//! coordinates are moved down by 2^15, which the constant added after takes back. All that it makes is within ±2^29.
 
 use super::node::Node;
 use super::traverse::Order;
@@ -21,7 +21,7 @@ use safe_arch::{
 };
 
 /// What is the same of a ray for all nodes.
-pub(super) struct Boxes {
+pub struct Boxes {
     plane: i32,
     /// Factors of a node's origin, and what is added: both bounds across, the start's depth inverted, the limit's depth.
     weights: m128i,
@@ -50,10 +50,10 @@ struct Across {
 
 /// Of a node: what its planes across are held against, in the lowest two of four.
 #[derive(Clone, Copy)]
-pub(super) struct Met(m128i);
+pub struct Met(m128i);
 
 /// Of a node: how far off its children are.
-pub(super) struct Depths([u32; 4]);
+pub struct Depths([u32; 4]);
 
 impl Depths {
     #[inline(always)]
@@ -134,7 +134,7 @@ impl Boxes {
         !move_mask_m128(cast_to_m128_from_m128i(missed)) as u32 & 15
     }
 
-    /// How far off the children of the node that was asked last are, as [`super::traverse`] has it.
+    /// How far off the children of the node that was asked last are, as `one_by_one` has it.
     #[inline(always)]
     pub fn depths<const K: usize>(&self, node: &Node, order: Order) -> Depths {
         if order == Order::Any {
@@ -236,7 +236,7 @@ fn words<const ORDER: i32>(words: m128i) -> m128i {
 
 #[cfg(test)]
 mod tests {
-    use super::super::traverse::OneByOne;
+    use super::super::one_by_one::OneByOne;
     use super::*;
     use crate::geom::{Dir, Point, Ray};
     use crate::shape::{Grid, Slopes};

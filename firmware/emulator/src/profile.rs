@@ -71,7 +71,7 @@ const CORES: [Machine; 4] = [
 const WORK: [(&str, [&str; 2]); 5] = [
     ("set-ups", ["shape::grid::GridRay", "::enter"]),
     // All but the few that are passed by along the dominant axis already.
-    ("nodes", ["bvh::traverse::lateral", ", 1, "]),
+    ("nodes", ["bvh::one_by_one::lateral", ", 1, "]),
     ("shapes", ["shape::Geometry", "::intersect"]),
     ("triangles", ["bvh::mesh::", "::ask"]),
     ("hits", ["shape::triangle", "::meet"]),
