@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::accuracy::Header;
 use crate::setup::Part;
-use crate::{device, shell};
+use crate::{device, section, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -38,19 +38,7 @@ pub fn run(options: &Options) -> Result<()> {
     let rows: Value = serde_json::from_str(&std::fs::read_to_string(&file)?)?;
     let section = text(&Header::now(0)?, rows.as_array().context("no rows")?)?;
     println!("{section}");
-    let path = shell::root().join(RECORD);
-    let page = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    std::fs::write(&path, with_section(&page, &section)).with_context(|| path.display().to_string())
-}
-
-/// The page with its section replaced, or put at its end.
-fn with_section(page: &str, body: &str) -> String {
-    let start = page.find(&format!("\n{TITLE}\n")).unwrap_or(page.len());
-    let rest = page.get(start + 1..).unwrap_or_default();
-    let after = rest.find("\n## ").map_or("", |next| &rest[next..]);
-    let mut text = format!("{}\n\n{TITLE}\n\n{}\n", page[..start].trim_end(), body.trim());
-    text += after;
-    text
+    section::put(RECORD, &[TITLE], TITLE, &section)
 }
 
 fn text(header: &Header, rows: &[Value]) -> Result<String> {
@@ -141,14 +129,5 @@ mod tests {
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\n{text}");
         }
-    }
-
-    #[test]
-    fn the_section_is_replaced_and_nothing_else() {
-        let page = "# A\n\n## B\n\nb\n";
-        let once = with_section(page, "one");
-        assert_eq!(once, "# A\n\n## B\n\nb\n\n## Cost\n\none\n");
-        let amid = once.replace("## B\n\nb\n\n## Cost\n\none\n", "## Cost\n\none\n\n## B\n\nb\n");
-        assert_eq!(with_section(&amid, "two"), "# A\n\n## Cost\n\ntwo\n\n## B\n\nb\n");
     }
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::json;
 
 use crate::accuracy::{Case, Header, built_in, bunny, files};
-use crate::{bench_seed, growth, peers, profile, rays, raystones, shell};
+use crate::{bench_seed, growth, peers, profile, rays, raystones, section, shell};
 
 #[derive(Args)]
 pub struct Options {
@@ -117,10 +117,10 @@ pub fn run(options: &Options) -> Result<()> {
     let before = std::fs::read_to_string(&path).unwrap_or_default();
     let beside = match &options.seed_program {
         Some(sources) => Some(bench_seed::run(sources)?.text()),
-        None => section(&before, BESIDE).map(str::to_string),
+        None => section::of(&before, BESIDE).map(str::to_string),
     };
     let mut page = text(&header, &rows);
-    let others = KEPT.map(|title| (title, section(&before, title)));
+    let others = KEPT.map(|title| (title, section::of(&before, title)));
     for (title, body) in [(BESIDE, beside.as_deref())].into_iter().chain(others) {
         if let Some(body) = body {
             page += &format!("\n{title}\n\n{}\n", body.trim());
@@ -216,68 +216,5 @@ fn text(header: &Header, rows: &[Row]) -> String {
 
 /// Writes a section of the record that another chore measures.
 pub(crate) fn put(title: &str, body: &str) -> Result<()> {
-    let path = shell::root().join(RECORD);
-    let page = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-    std::fs::write(&path, with_section(&page, title, body)?).with_context(|| path.display().to_string())
-}
-
-/// The page with one of its [`KEPT`] sections replaced, or put in its place.
-fn with_section(page: &str, title: &str, body: &str) -> Result<String> {
-    let place = KEPT.iter().position(|kept| *kept == title);
-    let (before, after) = KEPT.split_at(place.context("no section of the record")?);
-    let begins = |title: &&str| page.find(&format!("\n{title}\n"));
-    // Up to the section itself, or to the first of those that come after it; from there on.
-    let next = after[1..].iter().find_map(begins).unwrap_or(page.len());
-    let until = begins(&title).unwrap_or(next);
-    ensure!(
-        before.iter().filter_map(begins).all(|begin| begin < until),
-        "the record's sections are not in their order"
-    );
-    let rest = page[next..].trim();
-    let mut page = format!("{}\n\n{title}\n\n{}\n", page[..until].trim_end(), body.trim());
-    if !rest.is_empty() {
-        page += &format!("\n{rest}\n");
-    }
-    Ok(page)
-}
-
-/// What stands under a title, up to the next one.
-fn section<'a>(page: &'a str, title: &str) -> Option<&'a str> {
-    let (_, rest) = page.split_once(&format!("{title}\n"))?;
-    Some(rest.split("\n## ").next().unwrap_or(rest))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_section_ends_at_the_next_title() {
-        let page = "# Page\n\n## Beside the program of the paper's author\n\nsome\n\n## Tried\n\nmore\n";
-        assert_eq!(section(page, BESIDE).map(str::trim), Some("some"));
-        assert_eq!(section(page, TRIED).map(str::trim), Some("more"));
-        assert_eq!(section(page, "## Other"), None);
-    }
-
-    #[test]
-    fn a_section_is_put_in_and_replaced() {
-        let page = "# Page\n\nsome\n\n## Tried\n\nmore\n";
-        let once = with_section(page, raystones::TITLE, "first\n").unwrap();
-        assert_eq!(
-            once,
-            "# Page\n\nsome\n\n## Raystones\n\nfirst\n\n## Tried\n\nmore\n"
-        );
-        let twice = with_section(&once, profile::TITLE, "second").unwrap();
-        assert_eq!(
-            twice,
-            once.replace(
-                "\n## Tried",
-                &format!("\n{}\n\nsecond\n\n## Tried", profile::TITLE)
-            )
-        );
-        assert_eq!(with_section(&twice, raystones::TITLE, "first").unwrap(), twice);
-        let third = with_section(&twice, profile::TITLE, "third").unwrap();
-        assert_eq!(third, twice.replace("second", "third"));
-        assert!(with_section("## Tried\n", "## Other", "").is_err());
-    }
+    section::put(RECORD, &KEPT, title, body)
 }

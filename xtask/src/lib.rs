@@ -23,6 +23,7 @@ pub mod profile;
 pub mod rays;
 pub mod raystones;
 pub mod sampling;
+mod section;
 pub mod setup;
 pub mod shell;
 pub mod toolchain;
