@@ -12,7 +12,7 @@ use microlux::{
     scene::builtin::Builtin,
 };
 
-use crate::{denoise::moved, region};
+use crate::{denoise::moved, fingerprint, region};
 
 /// Of the frame that is rendered.
 pub const SIZE: Size = Size {
@@ -172,11 +172,7 @@ fn clean(room: &mut Room) -> u32 {
         }
     });
     for light in shown {
-        let (mantissas, exponent) = light.to_parts();
-        for half in mantissas {
-            crc.bytes(&half.to_le_bytes());
-        }
-        crc.bytes(&exponent.to_le_bytes());
+        fingerprint::pixel(&mut crc, *light);
     }
     let scratch = Scratch {
         bytes,

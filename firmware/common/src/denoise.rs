@@ -17,7 +17,7 @@ use microlux::{
     scene::{Scene, builtin::Builtin},
 };
 
-use crate::region;
+use crate::{fingerprint, region};
 
 const SIZE: Size = Size {
     width: 24,
@@ -100,13 +100,13 @@ impl Case {
             }
             let clean = region::count(id, || denoiser.denoise(Some(&motion), filter));
             for (x, y) in places(coarse) {
-                pixel(&mut crc, clean.pixel(x, y));
+                fingerprint::pixel(&mut crc, clean.pixel(x, y));
             }
             if frame + 1 == FRAMES {
                 let fine = settings(2, 1);
                 let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
                 for (x, y) in places(fine) {
-                    pixel(&mut crc, clean.pixel_2x(x, y, &guides.guide(x, y)));
+                    fingerprint::pixel(&mut crc, clean.pixel_2x(x, y, &guides.guide(x, y)));
                 }
             }
         }
@@ -126,12 +126,4 @@ pub(crate) fn moved(camera: Camera, frame: u32) -> Camera {
 
 fn places(settings: Settings) -> impl Iterator<Item = (u16, u16)> {
     (0..settings.height).flat_map(move |y| (0..settings.width).map(move |x| (x, y)))
-}
-
-fn pixel(crc: &mut Crc, light: Radiance) {
-    let (mantissas, exponent) = light.to_parts();
-    for half in mantissas {
-        crc.bytes(&half.to_le_bytes());
-    }
-    crc.bytes(&exponent.to_le_bytes());
 }

@@ -20,6 +20,8 @@ use microlux::{
 
 use microlux::num::Crc;
 
+use crate::fingerprint;
+
 /// Size and effort of every picture in the record.
 pub const SETTINGS: Settings = Settings {
     width: 30,
@@ -198,11 +200,7 @@ impl Case {
 
 fn pixels(crc: &mut Crc, pixels: &[Radiance]) {
     for pixel in pixels {
-        let (mantissas, exponent) = pixel.to_parts();
-        for half in mantissas {
-            crc.bytes(&half.to_le_bytes());
-        }
-        crc.bytes(&exponent.to_le_bytes());
+        fingerprint::pixel(crc, *pixel);
     }
 }
 

@@ -10,6 +10,7 @@ pub mod cost;
 #[cfg(feature = "roomy")]
 pub mod denoise;
 mod edges;
+pub mod fingerprint;
 mod flags;
 #[cfg(feature = "roomy")]
 pub mod flight;

@@ -14,7 +14,7 @@ use microlux::{
     scene::{Scene, builtin::Builtin},
 };
 
-use crate::{golden::SETTINGS, mesh, region, stage::Pedestal};
+use crate::{fingerprint, golden::SETTINGS, mesh, region, stage::Pedestal};
 
 /// Longest path, in segments.
 pub const MAX_DEPTH: u16 = 8;
@@ -145,11 +145,7 @@ fn paths(id: u32, scene: &Scene, camera: Camera) -> Traced {
             black_box(path.radiance(scene, black_box(ray), sampler, &mut rays))
         });
         entries += 1;
-        let (mantissas, exponent) = radiance.to_parts();
-        for half in mantissas {
-            crc.bytes(&half.to_le_bytes());
-        }
-        crc.bytes(&exponent.to_le_bytes());
+        fingerprint::pixel(&mut crc, radiance);
     });
     Traced {
         crc: crc.value(),

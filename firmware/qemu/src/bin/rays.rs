@@ -13,7 +13,7 @@ use core::panic::PanicInfo;
 
 #[cfg(target_arch = "arm")]
 use cortex_m_rt::entry;
-use firmware_common::{region, stage::Cornell};
+use firmware_common::{fingerprint, region, stage::Cornell};
 use microlux::{
     bvh::{self, Node, max_nodes},
     camera::{Camera, FilmPlane},
@@ -166,11 +166,7 @@ fn paths(id: u32) {
                 let path = Path::new(MAX_DEPTH);
                 black_box(path.radiance(&scene, black_box(ray), &mut sampler, &mut rays))
             });
-            let (mantissas, exponent) = radiance.to_parts();
-            for half in mantissas {
-                crc.bytes(&half.to_le_bytes());
-            }
-            crc.bytes(&exponent.to_le_bytes());
+            fingerprint::pixel(&mut crc, radiance);
         }
     }
     console::print(&["paths rays="]);
