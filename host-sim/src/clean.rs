@@ -68,19 +68,6 @@ impl Filter for Chosen<'_> {
     }
 }
 
-/// A filter, and how many frames each pixel's light was of when it last ran.
-struct Watched<'m> {
-    filter: Chosen<'m>,
-    lengths: Vec<u8>,
-}
-
-impl Filter for Watched<'_> {
-    fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
-        self.lengths = lengths.to_vec();
-        self.filter.filter(pair, size, frame, lengths, scratch);
-    }
-}
-
 /// What became of a frame.
 #[derive(Clone, Debug)]
 pub struct Cleaned {
@@ -115,7 +102,7 @@ pub struct Frames {
 pub struct Sequence<'m> {
     frames: Frames,
     denoiser: Denoiser<'m>,
-    filter: Watched<'m>,
+    filter: Chosen<'m>,
     before: Option<Camera>,
 }
 
@@ -156,10 +143,7 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
     show(&mut Sequence {
         frames,
         denoiser,
-        filter: Watched {
-            filter,
-            lengths: Vec::new(),
-        },
+        filter,
         before: None,
     })
 }
@@ -228,11 +212,11 @@ impl Sequence<'_> {
 
     fn finish(&mut self, scene: &Scene, camera: Camera) -> Cleaned {
         let size = self.denoiser.size();
-        let (gathered, light) = match self.frames.cleaning.denoise {
+        let (gathered, light, lengths) = match self.frames.cleaning.denoise {
             Denoise::Off => {
                 let frame = self.denoiser.frame().to_vec();
                 let light = frame.iter().map(|pixel| pixel.irradiance).collect();
-                (frame, light)
+                (frame, light, Vec::new())
             }
             Denoise::Atrous | Denoise::Neural => {
                 let before = self.before.replace(camera).unwrap_or(camera);
@@ -243,7 +227,8 @@ impl Sequence<'_> {
                 let clean = self
                     .denoiser
                     .denoise_by(&Threads, Some(&motion), &mut self.filter);
-                (clean.frame.to_vec(), clean.light.to_vec())
+                let (gathered, light) = (clean.frame.to_vec(), clean.light.to_vec());
+                (gathered, light, self.denoiser.history_lengths().to_vec())
             }
         };
         let clean = Clean {
@@ -253,7 +238,7 @@ impl Sequence<'_> {
         };
         Cleaned {
             pixels: show(self.frames, scene, camera, &clean),
-            lengths: self.filter.lengths.clone(),
+            lengths,
             gathered,
         }
     }

@@ -229,6 +229,20 @@ fn what_was_uncovered_has_no_past() {
     });
 }
 
+#[test]
+fn lengths_are_of_the_frame_that_was_denoised() {
+    with_denoiser(SIZE, |denoiser| {
+        for number in 1..=10 {
+            denoiser.frame().fill(Feature::default());
+            denoiser.denoise(Some(&Still), &mut Off);
+            assert_eq!(denoiser.history_lengths(), [number.min(8); SIZE.pixels()]);
+        }
+        denoiser.forget();
+        denoiser.denoise(Some(&Still), &mut Off);
+        assert_eq!(denoiser.history_lengths(), [1; SIZE.pixels()]);
+    });
+}
+
 /// Two walls that meet in a column, whose pixels are of one of them by chance.
 fn corner(random: &mut Random) -> Vec<Feature> {
     let pixel = |i: usize| {

@@ -168,6 +168,11 @@ impl<'m> Denoiser<'m> {
         self.now
     }
 
+    /// How many frames each pixel's light is of, 1 ..= 8, in the frame that was denoised last.
+    pub fn history_lengths(&self) -> &[u8] {
+        self.lengths_before
+    }
+
     /// Forgets what was seen: a cut.
     pub fn forget(&mut self) {
         self.has_history = false;
