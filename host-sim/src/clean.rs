@@ -4,7 +4,9 @@ use microlux::camera::Camera;
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::network::{self, Needs, Neural, TRAINED};
-use microlux::film::denoise::{Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Scratch, Size};
+use microlux::film::denoise::{
+    Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Row, Scratch, Seen, Size,
+};
 use microlux::integrator::{Integrator, Path};
 use microlux::render::{Motion, Renderer, Settings};
 use microlux::sampler::{Independent, PcgRxsMXs32, Sampler};
@@ -120,7 +122,7 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
         lengths: [lengths_now, lengths_before],
         rows: &mut rows,
     };
-    let denoiser = Denoiser::new(size, memory).expect("as long as it has to be");
+    let denoiser = Denoiser::new(size, frames.spp, memory).expect("as long as it has to be");
     let needs = match frames.cleaning.denoise {
         Denoise::Neural => Needs::of(size.width.into(), size.height.into()),
         Denoise::Off | Denoise::Atrous => Needs::default(),
@@ -211,40 +213,53 @@ impl Sequence<'_> {
     }
 
     fn finish(&mut self, scene: &Scene, camera: Camera) -> Cleaned {
-        let size = self.denoiser.size();
-        let (gathered, light, lengths) = match self.frames.cleaning.denoise {
+        let Sequence {
+            frames,
+            denoiser,
+            filter,
+            before,
+        } = self;
+        let size = denoiser.size();
+        match frames.cleaning.denoise {
             Denoise::Off => {
-                let frame = self.denoiser.frame().to_vec();
-                let light = frame.iter().map(|pixel| pixel.irradiance).collect();
-                (frame, light, Vec::new())
+                let gathered = denoiser.frame().to_vec();
+                let light: Vec<Rgb9e5> = gathered.iter().map(|pixel| pixel.irradiance).collect();
+                let clean = Clean {
+                    size,
+                    frame: &gathered,
+                    light: &light,
+                    lengths: &[],
+                    spp: frames.spp,
+                    whole: 1,
+                };
+                let pixels = show(*frames, scene, camera, &clean);
+                Cleaned {
+                    pixels,
+                    gathered,
+                    lengths: Vec::new(),
+                }
             }
             Denoise::Atrous | Denoise::Neural => {
-                let before = self.before.replace(camera).unwrap_or(camera);
+                let before = before.replace(camera).unwrap_or(camera);
                 let mut motion = Motion::between(before, camera, size.width, size.height);
-                if self.frames.cleaning.upscale == 1 {
+                if frames.cleaning.upscale == 1 {
                     motion = motion.whole();
                 }
-                let clean = self
-                    .denoiser
-                    .denoise_by(&Threads, Some(&motion), &mut self.filter);
-                let (gathered, light) = (clean.frame.to_vec(), clean.light.to_vec());
-                (gathered, light, self.denoiser.history_lengths().to_vec())
+                let clean = denoiser.denoise_by(&Threads, Some(&motion), filter);
+                Cleaned {
+                    pixels: show(*frames, scene, camera, &clean),
+                    gathered: clean.frame.to_vec(),
+                    lengths: clean.lengths.to_vec(),
+                }
             }
-        };
-        let clean = Clean {
-            size,
-            frame: &gathered,
-            light: &light,
-        };
-        Cleaned {
-            pixels: show(self.frames, scene, camera, &clean),
-            lengths,
-            gathered,
         }
     }
 }
 
-/// At the size that is seen, times the albedo.
+/// Rows that a thread shows at a time.
+const BAND: u16 = 16;
+
+/// At the size that is seen, times the albedo; outlines without steps, unless nothing is denoised.
 pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec<Radiance> {
     let Frames {
         width,
@@ -259,12 +274,28 @@ pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec
     };
     let sampler = Independent::<PcgRxsMXs32>::new(0);
     let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
-    let row = |y: u16| {
-        let pixel = |x| match cleaning.upscale {
-            2 => clean.pixel_2x(x, y, &guides.guide(x, y)),
-            _ => clean.pixel(x, y),
+    let is_large = cleaning.upscale == 2;
+    if cleaning.denoise == Denoise::Off {
+        let pixel = |y, x| match is_large {
+            true => clean.pixel_2x(x, y, &guides.guide(x, y)),
+            false => clean.pixel(x, y),
         };
-        (0..width).map(pixel).collect::<Vec<_>>()
+        let row = |y: u16| (0..width).map(move |x| pixel(y, x)).collect::<Vec<_>>();
+        return (0..height).into_par_iter().flat_map_iter(row).collect();
+    }
+    let band = |number: u16| {
+        let rows = number * BAND..height.min((number + 1) * BAND);
+        let mut ring = vec![Seen::default(); 3 * usize::from(width)];
+        let mut pixels = Vec::new();
+        let show = |_, row: Row| pixels.extend(row.lights());
+        match is_large {
+            true => clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show),
+            false => clean.rows(rows, &mut ring, show),
+        }
+        pixels
     };
-    (0..height).into_par_iter().flat_map_iter(row).collect()
+    (0..height.div_ceil(BAND))
+        .into_par_iter()
+        .flat_map_iter(band)
+        .collect()
 }

@@ -2,8 +2,8 @@ use crate::{Backwards, Random, Shift, Threads, value, with_denoiser};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{
-    Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Size, TooShort, Whole,
-    accumulate, beside, upsample,
+    Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Seen, Size, TooShort,
+    Whole, accumulate, beside, upsample,
 };
 use microlux::film::feature::ID_NOTHING;
 use microlux::geom::Octahedral;
@@ -108,7 +108,7 @@ fn an_even_light_stays_as_it_is_in_every_filter() {
             let even = light(color, exponent);
             let mut pixels = scene(&mut random, 1);
             pixels.iter_mut().for_each(|p| p.irradiance = even);
-            with_denoiser(SIZE, |denoiser| {
+            with_denoiser(SIZE, 1, |denoiser| {
                 for frame in 0..12 {
                     denoiser.frame().copy_from_slice(&pixels);
                     let motion = Shift([frame * 5, -frame * 3]);
@@ -136,7 +136,7 @@ fn edges_of_the_albedo_are_kept_exactly() {
     let mut pixels = scene(&mut random, 1);
     let even = light([1 << 15, 1 << 14, 1 << 13], -15);
     pixels.iter_mut().for_each(|p| p.irradiance = even);
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(1));
         for (i, pixel) in pixels.iter().enumerate() {
@@ -154,7 +154,7 @@ fn frames_of_a_camera_at_rest_are_their_mean() {
     let frames: Vec<_> = (0..8).map(|_| scene(&mut random, 1)).collect();
     let mut worst = 0f64;
     let mut bias = 0f64;
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         for (n, pixels) in frames.iter().enumerate() {
             denoiser.frame().copy_from_slice(pixels);
             let clean = denoiser.denoise(Some(&Still), &mut Off);
@@ -186,7 +186,7 @@ fn fireflies_are_brought_down_to_their_neighbours() {
     let mut pixels = scene(&mut random, 1);
     let at = 5 * usize::from(SIZE.width) + 18;
     pixels[at].irradiance = light([1 << 25, 1 << 25, 1 << 24], -15);
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(None::<&Still>, &mut Off);
         let [r, g, b] = value(clean.light[at].decode());
@@ -216,7 +216,7 @@ fn what_was_uncovered_has_no_past() {
             ..*p
         })
         .collect();
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         denoiser.frame().copy_from_slice(&bright);
         denoiser.denoise(Some(&Still), &mut Off);
         denoiser.frame().copy_from_slice(&pixels);
@@ -231,7 +231,7 @@ fn what_was_uncovered_has_no_past() {
 
 #[test]
 fn lengths_are_of_the_frame_that_was_denoised() {
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         for number in 1..=10 {
             denoiser.frame().fill(Feature::default());
             denoiser.denoise(Some(&Still), &mut Off);
@@ -268,7 +268,7 @@ fn a_silhouette_at_rest_is_the_mean_of_both_sides() {
     let share = |code: u8| f64::from(microlux::film::feature::albedo_share(code).to_bits()) / 32768.0;
     let mut random = Random(21);
     let frames: Vec<_> = (0..8).map(|_| corner(&mut random)).collect();
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         for pixels in &frames[..7] {
             denoiser.frame().copy_from_slice(pixels);
             denoiser.denoise(Some(&Still), &mut Off);
@@ -335,7 +335,7 @@ fn what_goes_away_leaves_no_trail() {
         };
         (0..SIZE.pixels()).map(pixel).collect()
     };
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         for number in 0..8 {
             let pixels = frame(number);
             denoiser.frame().copy_from_slice(&pixels);
@@ -409,7 +409,7 @@ fn bands_of_any_height_are_the_same_picture() {
         assert!(in_bands(&pixels, Some(&past), rows) == whole, "{rows}");
     }
     // And the one that a denoiser makes by itself.
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(4));
         assert!(clean.light == in_bands(&pixels, None, 2));
@@ -420,7 +420,7 @@ fn bands_of_any_height_are_the_same_picture() {
 fn by(pair: &impl Pair, size: Size, filter: &mut impl Filter) -> Vec<Rgb9e5> {
     let mut random = Random(11);
     let mut seen = Vec::new();
-    with_denoiser(size, |denoiser| {
+    with_denoiser(size, 1, |denoiser| {
         for _ in 0..3 {
             for pixel in denoiser.frame() {
                 *pixel = scene(&mut random, 5)[random.below(SIZE.pixels() as u32) as usize];
@@ -453,7 +453,7 @@ fn anything_at_all_goes_through() {
             width: random.below(12) as u16,
             height: random.below(9) as u16,
         };
-        with_denoiser(size, |denoiser| {
+        with_denoiser(size, 1, |denoiser| {
             for frame in 0..4 {
                 denoiser
                     .frame()
@@ -474,6 +474,13 @@ fn anything_at_all_goes_through() {
                     clean.pixel_2x(x % 24, y % 18, &guide);
                     clean.pixel(x, y);
                 }
+                let mut ring = vec![Seen::default(); random.below(50) as usize];
+                let [from, to] = [0; 2].map(|_| random.below(20) as u16);
+                clean.rows(from..to, &mut ring, |_, row| assert!(row.lights().count() < 17));
+                let guide = |_, _| hostile(&mut random);
+                clean.rows_2x(from..to, &mut ring, guide, |_, row| {
+                    assert!(row.lights().count() < 17)
+                });
             }
         });
     }
@@ -496,7 +503,7 @@ fn memory_that_is_too_short_is_named() {
             lengths: [c, d],
             rows: &mut rows,
         };
-        Denoiser::new(size, memory).map(|_| ())
+        Denoiser::new(size, 1, memory).map(|_| ())
     };
     assert_eq!(told([12, 12, 12, 12, 20]), Ok(()));
     let short = |slice, needed| Err(TooShort { slice, needed });
@@ -520,7 +527,7 @@ fn noise_goes_and_edges_stay() {
             pixel.irradiance = Rgb9e5::from_bits(m, e + 4);
         }
     }
-    with_denoiser(SIZE, |denoiser| {
+    with_denoiser(SIZE, 1, |denoiser| {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(None::<&Still>, &mut Atrous::for_spp(1));
         for id in [0, 1] {

@@ -5,6 +5,7 @@ mod filters;
 mod golden;
 mod motion;
 mod network;
+mod outline;
 mod twin;
 
 use microlux::color::{Radiance, Rgb9e5};
@@ -70,7 +71,7 @@ impl Pair for Backwards {
 }
 
 /// A denoiser in memory of its own.
-fn with_denoiser<R>(size: Size, work: impl FnOnce(&mut Denoiser) -> R) -> R {
+fn with_denoiser<R>(size: Size, spp: u32, work: impl FnOnce(&mut Denoiser) -> R) -> R {
     let count = size.pixels();
     let mut frames = [vec![Feature::default(); count], vec![Feature::default(); count]];
     let mut lengths = [vec![0; count], vec![0; count]];
@@ -82,5 +83,5 @@ fn with_denoiser<R>(size: Size, work: impl FnOnce(&mut Denoiser) -> R) -> R {
         lengths: [c, d],
         rows: &mut rows,
     };
-    work(&mut Denoiser::new(size, memory).unwrap())
+    work(&mut Denoiser::new(size, spp, memory).unwrap())
 }

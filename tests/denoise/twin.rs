@@ -203,7 +203,7 @@ fn accumulation_is_its_twins() {
     let mut random = Random(11);
     for shift in [[0, 0], [16, 0], [5, -9], [-40, 24]] {
         let mut past: Option<Frame> = None;
-        with_denoiser(SIZE, |denoiser| {
+        with_denoiser(SIZE, 1, |denoiser| {
             for _ in 0..10 {
                 let pixels = scene(&mut random);
                 let now: Frame = pixels.iter().map(Real::of).collect();
@@ -239,7 +239,7 @@ fn a_trous_is_its_twins() {
             };
             plain = step(&plain, i, &blind);
         }
-        with_denoiser(SIZE, |denoiser| {
+        with_denoiser(SIZE, 1, |denoiser| {
             denoiser.frame().copy_from_slice(&pixels);
             let clean = denoiser.denoise(None::<&Shift>, &mut filter.clone());
             let (rms, worst) = off(clean.light, &exact, 0);

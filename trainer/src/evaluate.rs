@@ -11,7 +11,7 @@ use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
-use microlux::film::denoise::{Denoiser, Filter, Memory, ROWS, Size};
+use microlux::film::denoise::{Denoiser, Filter, Memory, ROWS, Seen, Size};
 use microlux::film::feature::{Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
@@ -226,14 +226,18 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
         lengths: [c, d],
         rows: &mut rows,
     };
-    let mut denoiser = Denoiser::new(size, memory)?;
+    let mut denoiser = Denoiser::new(size, scene.samples, memory)?;
     let clean = denoiser.denoise(None::<&Motion>, filter);
     let linear = |light: Radiance| {
         let (m, e) = light.to_parts();
         m.map(|m| f32::from(m) * (f32::from(e) - 15.0).exp2())
     };
-    let places = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
-    Ok(places.map(|(x, y)| linear(clean.pixel(x, y))).collect())
+    let mut ring = vec![Seen::default(); 3 * scene.width];
+    let mut pixels = Vec::new();
+    clean.rows(0..size.height, &mut ring, |_, row| {
+        pixels.extend(row.lights().map(linear))
+    });
+    Ok(pixels)
 }
 
 /// By the network, in the core.

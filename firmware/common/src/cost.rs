@@ -165,6 +165,9 @@ fn clean(room: &mut Room) -> u32 {
             size: SIZE,
             frame: now,
             light,
+            lengths,
+            spp: 1,
+            whole: 1,
         };
         for (i, (shown, guide)) in shown.iter_mut().zip(&*guides).enumerate() {
             let (x, y) = place(i, 2 * SIZE.width);

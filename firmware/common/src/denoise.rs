@@ -5,10 +5,10 @@
 
 use microlux::{
     camera::Camera,
-    color::{Radiance, Rgb9e5},
+    color::Rgb9e5,
     film::Feature,
     film::denoise::network::{Needs, Neural, Scratch, TRAINED},
-    film::denoise::{Atrous, Denoiser, Filter, Memory, ROWS, Size},
+    film::denoise::{Atrous, Denoiser, Filter, Memory, ROWS, Row, Seen, Size},
     geom::{Dir, Point},
     integrator::Path,
     num::Crc,
@@ -81,10 +81,11 @@ impl Case {
             lengths: [&mut lengths, &mut lengths_before],
             rows: &mut rows,
         };
-        let Ok(mut denoiser) = Denoiser::new(SIZE, memory) else {
+        let Ok(mut denoiser) = Denoiser::new(SIZE, self.spp, memory) else {
             return 0;
         };
         let mut crc = Crc::new();
+        let mut ring = [Seen::default(); 3 * 2 * SIZE.width as usize];
         let settings = |scale: u16, spp| Settings {
             width: scale * SIZE.width,
             height: scale * SIZE.height,
@@ -99,15 +100,16 @@ impl Case {
                 renderer.feature_tile(area, denoiser.frame());
             }
             let clean = region::count(id, || denoiser.denoise(Some(&motion), filter));
-            for (x, y) in places(coarse) {
-                fingerprint::pixel(&mut crc, clean.pixel(x, y));
-            }
+            let mut show = |_, row: Row| {
+                for light in row.lights() {
+                    fingerprint::pixel(&mut crc, light);
+                }
+            };
+            clean.rows(0..SIZE.height, &mut ring[..3 * SIZE.width as usize], &mut show);
             if frame + 1 == FRAMES {
                 let fine = settings(2, 1);
                 let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
-                for (x, y) in places(fine) {
-                    fingerprint::pixel(&mut crc, clean.pixel_2x(x, y, &guides.guide(x, y)));
-                }
+                clean.rows_2x(0..fine.height, &mut ring, |x, y| guides.guide(x, y), show);
             }
         }
         crc.value()
@@ -122,8 +124,4 @@ pub(crate) fn moved(camera: Camera, frame: u32) -> Camera {
     let by = right.map(|c| ((c as i64 * aside as i64) >> 16) as i32);
     let origin = Point([x + by[0], y + by[1], z + by[2]]);
     Camera::from_frame(origin, camera.frame(), camera.half_width())
-}
-
-fn places(settings: Settings) -> impl Iterator<Item = (u16, u16)> {
-    (0..settings.height).flat_map(move |y| (0..settings.width).map(move |x| (x, y)))
 }

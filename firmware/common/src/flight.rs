@@ -97,7 +97,7 @@ impl<'m> Flight<'m> {
             rows: &mut room.rows,
         };
         Ok(Flight {
-            denoiser: Denoiser::new(SIZE, memory)?,
+            denoiser: Denoiser::new(SIZE, SPP, memory)?,
             filter: Atrous::for_spp(SPP),
             before: None,
         })

@@ -375,7 +375,7 @@ fn quotient(a: u32, b: u32) -> u32 {
 }
 
 #[inline]
-fn is_near(a: u8, b: u8) -> bool {
+pub(super) fn is_near(a: u8, b: u8) -> bool {
     (a == DEPTH_NOTHING) == (b == DEPTH_NOTHING) && (a as i32 - b as i32).abs() <= DEPTH_SLACK
 }
 

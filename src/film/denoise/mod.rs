@@ -3,6 +3,7 @@
 //! ```text
 //! Renderer::feature_tile -> firefly clamp, history (accumulate) -> Filter (a-trous) -> times albedo
 //!                                  ^ where a pixel was: Reproject      `-> twice the size: upsample, times its albedo
+//! either, outlines without steps (outline), row by row -> what is shown
 //! ```
 //!
 //! All of it works on light before the albedo, so that no edge of a texture is blurred. Each pass writes rows that no
@@ -14,15 +15,20 @@
 mod accumulate;
 mod atrous;
 pub mod network;
+mod outline;
 mod pair;
 mod upsample;
 mod weight;
 
 pub use accumulate::{Band, Before, FIREFLY, Past, Reproject, accumulate};
 pub use atrous::{Atrous, Whole, beside};
+pub use outline::{Row, Seen};
 pub use pair::{Alone, Pair};
 pub use upsample::upsample;
 
+use core::ops::Range;
+
+use self::outline::{MIDDLE, go_down, worth};
 use super::Feature;
 use crate::color::{Radiance, Rgb9e5};
 use zerocopy::{FromBytes, IntoBytes};
@@ -121,10 +127,12 @@ impl<'a> Scratch<'a> {
 
 /// One frame after another: holds what is remembered of the last.
 ///
-/// Render into [`Self::frame`], then [`Self::denoise`], then show [`Clean::pixel`]s.
+/// Render into [`Self::frame`], then [`Self::denoise`], then show [`Clean::rows`].
 #[derive(Debug)]
 pub struct Denoiser<'m> {
     size: Size,
+    /// Samples a pixel of each frame.
+    spp: u32,
     now: &'m mut [Feature],
     before: &'m mut [Feature],
     lengths: &'m mut [u8],
@@ -133,17 +141,20 @@ pub struct Denoiser<'m> {
     /// Frames so far, wrapping; those before this one are in `before` unless it is the first.
     count: u32,
     has_history: bool,
+    /// Frames, this one in it, of which pixels are remembered as a whole: see [`Reproject::is_whole`].
+    whole: u8,
 }
 
 impl<'m> Denoiser<'m> {
-    /// The border: past it nothing fails.
-    pub fn new(size: Size, memory: Memory<'m>) -> Result<Denoiser<'m>, TooShort> {
+    /// For frames of `size` and of `spp` samples a pixel. The border: past it nothing fails.
+    pub fn new(size: Size, spp: u32, memory: Memory<'m>) -> Result<Denoiser<'m>, TooShort> {
         let needed = size.pixels();
         let [now, before] = memory.frames;
         let [lengths, lengths_before] = memory.lengths;
         let short = |slice, needed| TooShort { slice, needed };
         Ok(Denoiser {
             size,
+            spp,
             now: now.get_mut(..needed).ok_or(short("frames[0]", needed))?,
             before: before.get_mut(..needed).ok_or(short("frames[1]", needed))?,
             lengths: lengths.get_mut(..needed).ok_or(short("lengths[0]", needed))?,
@@ -156,6 +167,7 @@ impl<'m> Denoiser<'m> {
                 .ok_or(short("rows", ROWS * size.width as usize))?,
             count: 0,
             has_history: false,
+            whole: 0,
         })
     }
 
@@ -206,6 +218,10 @@ impl<'m> Denoiser<'m> {
         );
         self.count = self.count.wrapping_add(1);
         self.has_history = true;
+        self.whole = match motion {
+            Some(motion) if motion.is_whole() => self.whole.saturating_add(1),
+            _ => 1,
+        };
         // The last frame is not needed any more: its place is the filter's, and the next frame's after that.
         core::mem::swap(&mut self.now, &mut self.before);
         core::mem::swap(&mut self.lengths, &mut self.lengths_before);
@@ -215,6 +231,9 @@ impl<'m> Denoiser<'m> {
             size: self.size,
             frame: self.before,
             light: Scratch::over(self.now).light,
+            lengths: self.lengths_before,
+            spp: self.spp,
+            whole: self.whole,
         }
     }
 }
@@ -270,6 +289,12 @@ pub struct Clean<'d> {
     pub size: Size,
     pub frame: &'d [Feature],
     pub light: &'d [Rgb9e5],
+    /// How many frames each pixel's light is of.
+    pub lengths: &'d [u8],
+    /// Samples a pixel of each.
+    pub spp: u32,
+    /// Of how many frames silhouettes and albedo are, at most: 1 where anything moved.
+    pub whole: u8,
 }
 
 impl Clean<'_> {
@@ -287,5 +312,39 @@ impl Clean<'_> {
     #[inline]
     pub fn pixel_2x(&self, x: u16, y: u16, guide: &Feature) -> Radiance {
         upsample(self.size, self.frame, self.light, [x, y], guide).mul_albedo(guide.albedo())
+    }
+
+    /// Shows `rows` from the top, outlines without steps; `ring` is as long as three of them.
+    pub fn rows(&self, rows: Range<u16>, ring: &mut [Seen], show: impl FnMut(u16, Row)) {
+        let make = |y: u16, row: &mut [Seen]| {
+            for (x, seen) in (0..).zip(row) {
+                let place = y as usize * self.size.width as usize + x as usize;
+                *seen = match (self.frame.get(place), self.lengths.get(place)) {
+                    (Some(pixel), Some(&length)) => {
+                        let frames = length.min(self.whole).max(1);
+                        Seen::new(self.pixel(x, y), pixel, worth(self.spp, frames.into()))
+                    }
+                    _ => Seen::default(),
+                };
+            }
+        };
+        go_down(rows, self.size.height, ring, make, show);
+    }
+
+    /// The same of a picture twice as wide and high; `guide` answers each pixel's own first hit.
+    pub fn rows_2x(
+        &self,
+        rows: Range<u16>,
+        ring: &mut [Seen],
+        mut guide: impl FnMut(u16, u16) -> Feature,
+        show: impl FnMut(u16, Row),
+    ) {
+        let make = |y: u16, row: &mut [Seen]| {
+            for (x, seen) in (0..).zip(row) {
+                let guide = guide(x, y);
+                *seen = Seen::new(self.pixel_2x(x, y, &guide), &guide, MIDDLE);
+            }
+        };
+        go_down(rows, self.size.height.saturating_mul(2), ring, make, show);
     }
 }

@@ -255,6 +255,9 @@ impl Bench<'_> {
                 },
                 frame: &frame.features,
                 light: &light,
+                lengths: &[],
+                spp: 4,
+                whole: 1,
             };
             let raised = clean::show(frames(&frame, 4, Denoise::Off, 2), stage.scene, camera, &clean);
             made.extend([

@@ -1,0 +1,248 @@
+//! Outlines without steps, and nothing else mixed.
+
+use crate::{Random, value};
+use microlux::color::{Radiance, Rgb9e5};
+use microlux::film::Feature;
+use microlux::film::denoise::{Clean, Row, Seen, Size};
+use microlux::geom::{Dir, Octahedral};
+
+const SIZE: Size = Size {
+    width: 32,
+    height: 24,
+};
+
+/// Dark enough that lights count by little else than their shares.
+const LIGHT: f64 = 1.0 / 256.0;
+
+fn light(level: f64) -> Rgb9e5 {
+    Rgb9e5::encode(Radiance::from_bits([(level * 65536.0) as u32; 3], -16))
+}
+
+fn pixel(id: u16, share: f64) -> Feature {
+    Feature {
+        irradiance: light(LIGHT),
+        albedo: [(255.0 * share.sqrt()).round() as u8; 3],
+        depth: 90,
+        normal: Octahedral::encode(Dir::Z),
+        id,
+    }
+}
+
+/// Everything to be seen of a frame, `frames` frames being remembered as a whole.
+fn shown(frame: &[Feature], spp: u32, frames: u8) -> Vec<f64> {
+    let lights: Vec<Rgb9e5> = frame.iter().map(|pixel| pixel.irradiance).collect();
+    let lengths = vec![8; frame.len()];
+    let clean = Clean {
+        size: SIZE,
+        frame,
+        light: &lights,
+        lengths: &lengths,
+        spp,
+        whole: frames,
+    };
+    let mut ring = [Seen::default(); 3 * SIZE.width as usize];
+    let mut out = Vec::new();
+    clean.rows(0..SIZE.height, &mut ring, |_, row| {
+        out.extend(row.lights().map(|light| value(light)[0]));
+    });
+    out
+}
+
+/// Half a plane: what lies on its side is white, the other black.
+struct Half {
+    normal: [f64; 2],
+    offset: f64,
+}
+
+impl Half {
+    fn any(random: &mut Random) -> Half {
+        let unit = |random: &mut Random| f64::from(random.bits()) / 2f64.powi(32);
+        let (sin, cos) = (unit(random) * std::f64::consts::TAU).sin_cos();
+        let middle = [SIZE.width, SIZE.height].map(|side| f64::from(side) / 2.0 + unit(random));
+        Half {
+            normal: [cos, sin],
+            offset: cos * middle[0] + sin * middle[1],
+        }
+    }
+
+    fn has(&self, place: [f64; 2]) -> bool {
+        place[0] * self.normal[0] + place[1] * self.normal[1] > self.offset
+    }
+
+    /// Of a pixel.
+    fn share(&self, x: usize, y: usize) -> f64 {
+        let parts = (0..256).filter(|i| {
+            let part = [i % 16, i / 16].map(|c| (f64::from(c) + 0.5) / 16.0);
+            self.has([x as f64 + part[0], y as f64 + part[1]])
+        });
+        parts.count() as f64 / 256.0
+    }
+}
+
+fn places() -> impl Iterator<Item = (usize, usize)> {
+    let [width, height] = [SIZE.width, SIZE.height].map(usize::from);
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// Squared error about outlines, mixed and as it was, of the step's square: for `samples` of each pixel by chance.
+fn errors(samples: u32, random: &mut Random, shown: impl Fn(&[Feature]) -> Vec<f64>) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    for _ in 0..60 {
+        let half = Half::any(random);
+        let sampled = |(x, y): (usize, usize)| {
+            let mut anywhere = || f64::from(random.bits()) / 2f64.powi(32);
+            let met = (0..samples).filter(|_| half.has([x as f64 + anywhere(), y as f64 + anywhere()]));
+            let count = met.count() as u32;
+            pixel(
+                u16::from(2 * count > samples),
+                f64::from(count) / f64::from(samples),
+            )
+        };
+        let frame: Vec<Feature> = places().map(sampled).collect();
+        let mixed = shown(&frame);
+        for (((x, y), pixel), mixed) in places().zip(&frame).zip(mixed) {
+            let truth = half.share(x, y);
+            let own = value(pixel.radiance())[0];
+            for (sum, seen) in sums.iter_mut().zip([mixed, own]) {
+                *sum += (seen / LIGHT - truth).powi(2);
+            }
+        }
+    }
+    sums
+}
+
+#[test]
+fn outlines_are_off_by_as_little_as_the_formula_says() {
+    let mut random = Random(1);
+    for (samples, meant) in [(1, 0.42), (2, 0.54), (4, 0.67)] {
+        let [mixed, own] = errors(samples, &mut random, |frame| shown(frame, 1, samples as u8));
+        let quotient = mixed / own;
+        // The formula is of outlines along an axis, and of all that are seen.
+        assert!((quotient / meant - 1.0).abs() < 0.1, "{samples}: {quotient}");
+    }
+}
+
+#[test]
+fn what_is_known_well_is_left_alone() {
+    let mut random = Random(2);
+    let half = Half::any(&mut random);
+    let frame: Vec<Feature> = places()
+        .map(|(x, y)| {
+            let share = half.share(x, y);
+            pixel(u16::from(share > 0.5), share)
+        })
+        .collect();
+    let own: Vec<f64> = frame.iter().map(|pixel| value(pixel.radiance())[0]).collect();
+    let step = |spp, frames| {
+        let seen = shown(&frame, spp, frames);
+        let steps = seen.iter().zip(&own).map(|(seen, own)| (seen - own).abs());
+        steps.fold(0.0, f64::max) / LIGHT
+    };
+    let steps = [(1, 1), (1, 2), (4, 1), (1, 8), (16, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
+    assert!(steps.is_sorted_by(|a, b| a >= b), "{steps:?}");
+    // Four samples of one frame are worth as many as one of each of eight.
+    assert_eq!(steps[2], steps[3]);
+    assert!(steps[0] > 0.1, "{steps:?}");
+    // But for the nine bits that light is kept in.
+    assert!(steps[4] < 0.002, "{steps:?}");
+}
+
+#[test]
+fn within_one_thing_nothing_is_mixed() {
+    let mut random = Random(3);
+    let mut frame: Vec<Feature> = places()
+        .map(|_| Feature {
+            irradiance: light(f64::from(random.below(1000)) / 100.0),
+            albedo: [0; 3].map(|_| random.bits() as u8),
+            // Steps of the distance that are one surface's.
+            depth: 90 + random.below(3) as u8,
+            ..pixel(7, 1.0)
+        })
+        .collect();
+    let own = |frame: &[Feature]| -> Vec<f64> {
+        let kept = |pixel: &Feature| value(Rgb9e5::encode(pixel.radiance()).decode())[0];
+        frame.iter().map(kept).collect()
+    };
+    assert_eq!(shown(&frame, 1, 1), own(&frame));
+    // A pixel of another number, and one that is farther away: nine about each are mixed.
+    let at = |x: usize, y: usize| y * usize::from(SIZE.width) + x;
+    frame[at(5, 5)].id = 8;
+    frame[at(20, 0)].depth = 120;
+    let mixed: Vec<usize> = shown(&frame, 1, 1)
+        .iter()
+        .zip(own(&frame))
+        .enumerate()
+        .filter_map(|(i, (seen, own))| (*seen != own).then_some(i))
+        .collect();
+    let about = |x: usize, y: usize| {
+        let rows = y.saturating_sub(1)..=y + 1;
+        rows.flat_map(move |y| (x - 1..=x + 1).map(move |x| at(x, y)))
+    };
+    assert_eq!(mixed, about(20, 0).chain(about(5, 5)).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_lamp_does_not_shine_through_its_outline() {
+    let half = |(x, _): (usize, usize)| {
+        let is_lamp = x >= 16;
+        Feature {
+            irradiance: light(if is_lamp { 16.0 } else { 0.25 }),
+            ..pixel(u16::from(is_lamp), 1.0)
+        }
+    };
+    let frame: Vec<Feature> = places().map(half).collect();
+    let seen = shown(&frame, 1, 1);
+    // 0.17 of 16 would be 2.7.
+    let beside = seen[usize::from(SIZE.width) * 5 + 15];
+    assert!((0.25..0.6).contains(&beside), "{beside}");
+    let lamp = seen[usize::from(SIZE.width) * 5 + 16];
+    assert!((1.0..16.0).contains(&lamp), "{lamp}");
+}
+
+#[test]
+fn bands_of_rows_are_the_picture() {
+    let mut random = Random(4);
+    let frame: Vec<Feature> = places()
+        .map(|_| Feature {
+            irradiance: light(f64::from(random.below(100)) / 100.0),
+            ..pixel(random.below(2) as u16, 0.5)
+        })
+        .collect();
+    let lights: Vec<Rgb9e5> = frame.iter().map(|pixel| pixel.irradiance).collect();
+    let lengths = vec![1; frame.len()];
+    let clean = Clean {
+        size: SIZE,
+        frame: &frame,
+        light: &lights,
+        lengths: &lengths,
+        spp: 1,
+        whole: 1,
+    };
+    let by = |band: u16, is_large: bool| {
+        let scale = if is_large { 2 } else { 1 };
+        let mut ring = vec![Seen::default(); 3 * usize::from(scale * SIZE.width)];
+        let mut out = Vec::new();
+        let mut next = 0;
+        let mut show = |y: u16, row: Row| {
+            assert_eq!(y, next);
+            next += 1;
+            out.extend(row.lights());
+        };
+        let guide = |x: u16, y: u16| frame[usize::from(y / 2) * usize::from(SIZE.width) + usize::from(x / 2)];
+        for first in (0..scale * SIZE.height).step_by(band.into()) {
+            match is_large {
+                true => clean.rows_2x(first..first + band, &mut ring, guide, &mut show),
+                false => clean.rows(first..first + band, &mut ring, &mut show),
+            }
+        }
+        out
+    };
+    for is_large in [false, true] {
+        let whole = by(100, is_large);
+        let scale = if is_large { 2 } else { 1 };
+        assert_eq!(whole.len(), scale * scale * frame.len());
+        for band in [1, 2, 7] {
+            assert!(by(band, is_large) == whole, "{band}");
+        }
+    }
+}
