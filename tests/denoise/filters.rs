@@ -264,6 +264,33 @@ fn corner(random: &mut Random) -> Vec<Feature> {
 }
 
 #[test]
+fn at_rest_each_frame_leads_the_filters_with_the_same_chance() {
+    let mut random = Random(22);
+    // Each frame has a distance of its own, all near enough to be one thing's.
+    let frame = |depth: u8, random: &mut Random| -> Vec<Feature> {
+        let pixels = scene(random, 1).into_iter();
+        pixels
+            .map(|pixel| Feature {
+                depth,
+                id: 7,
+                ..pixel
+            })
+            .collect()
+    };
+    with_denoiser(SIZE, 1, |denoiser| {
+        for depth in 90..93 {
+            denoiser.frame().copy_from_slice(&frame(depth, &mut random));
+            denoiser.denoise(Some(&Still), &mut Off);
+        }
+        denoiser.frame().copy_from_slice(&frame(93, &mut random));
+        let clean = denoiser.denoise(Some(&Still), &mut Off);
+        let counts = [90, 91, 92, 93].map(|depth| clean.frame.iter().filter(|p| p.depth == depth).count());
+        // A quarter of 391, within four standard deviations.
+        assert!(counts.iter().all(|count| (64..133).contains(count)), "{counts:?}");
+    });
+}
+
+#[test]
 fn a_silhouette_at_rest_is_the_mean_of_both_sides() {
     let share = |code: u8| f64::from(microlux::film::feature::albedo_share(code).to_bits()) / 32768.0;
     let mut random = Random(21);

@@ -124,8 +124,13 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
                 Some((then, length)) => {
                     let length = (length + 1).min(MOST);
                     let noise = hash(at.0 as u32 | (at.1 as u32) << 16, count);
-                    if let Some(albedo) = then.albedo {
-                        pixel.albedo = blend_albedo(pixel.albedo, albedo, length as u32, noise);
+                    if let Some(was) = then.whole {
+                        pixel.albedo = blend_albedo(pixel.albedo, was.albedo, length as u32, noise);
+                        // One of the frames' things, each with the same chance: what leads filters does not change with
+                        // every sample.
+                        if mul_hi(noise, length as u32) > 0 {
+                            (pixel.normal, pixel.depth, pixel.id) = (was.normal, was.depth, was.id);
+                        }
                     }
                     let before = if then.is_here {
                         then.light
@@ -286,8 +291,8 @@ struct Then {
     light: Rgb9e5,
     /// Of the very same pixel.
     is_here: bool,
-    /// Of a whole pixel.
-    albedo: Option<[u8; 3]>,
+    /// If it is remembered as a whole.
+    whole: Option<Feature>,
 }
 
 /// What the past knows of a pixel, and of how many frames.
@@ -322,7 +327,7 @@ fn remember<M: Reproject>(
         let then = Then {
             light: was.irradiance,
             is_here,
-            albedo: Some(was.albedo),
+            whole: Some(*was),
         };
         return is_known.then_some((then, length.min(15)));
     }
@@ -360,7 +365,7 @@ fn remember<M: Reproject>(
     let then = Then {
         light: mean.light(),
         is_here,
-        albedo: None,
+        whole: None,
     };
     Some((then, length))
 }
