@@ -3,7 +3,7 @@
 use microlux::camera::Camera;
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
-use microlux::film::denoise::network::{self, Needs, Neural, TRAINED};
+use microlux::film::denoise::network::{Neural, TRAINED};
 use microlux::film::denoise::{
     Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Row, Scratch, Seen, Size,
 };
@@ -123,22 +123,15 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
         rows: &mut rows,
     };
     let denoiser = Denoiser::new(size, frames.spp, memory).expect("as long as it has to be");
-    let needs = match frames.cleaning.denoise {
-        Denoise::Neural => Needs::of(size.width.into(), size.height.into()),
-        Denoise::Off | Denoise::Atrous => Needs::default(),
+    let mut own = match frames.cleaning.denoise {
+        Denoise::Neural => vec![0; Neural::needs(size)],
+        Denoise::Off | Denoise::Atrous => Vec::new(),
     };
-    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
-    let (mut room, mut light) = (vec![[0; 3]; needs.light], vec![[0; 3]; count]);
     let filter = match frames.cleaning.denoise {
         Denoise::Off => Chosen::Off(Off),
         Denoise::Atrous => Chosen::Atrous(Atrous::for_spp(frames.spp)),
         Denoise::Neural => {
-            let scratch = network::Scratch {
-                bytes: &mut bytes,
-                words: &mut words,
-                light: &mut room,
-            };
-            let neural = Neural::new(TRAINED, size, frames.spp, &mut light, scratch);
+            let neural = Neural::new(TRAINED, size, frames.spp, &mut own);
             Chosen::Neural(neural.expect("as long as it has to be, and as large as pictures get"))
         }
     };

@@ -3,7 +3,7 @@
 use crate::with_denoiser;
 use microlux::camera::Camera;
 use microlux::color::Radiance;
-use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED};
+use microlux::film::denoise::network::{Neural, TRAINED};
 use microlux::film::denoise::{Atrous, Filter, Row, Seen, Size};
 use microlux::geom::{Dir, Point};
 use microlux::integrator::Path;
@@ -46,15 +46,8 @@ fn crc(scene: &Scene, camera: Camera, filter: &str, spp: u32) -> u32 {
     if filter == "atrous" {
         return crc_of(scene, camera, &mut Atrous::for_spp(spp), spp);
     }
-    let needs = Needs::of(SIZE.width.into(), SIZE.height.into());
-    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
-    let (mut room, mut light) = (vec![[0; 3]; needs.light], vec![[0; 3]; SIZE.pixels()]);
-    let scratch = Scratch {
-        bytes: &mut bytes,
-        words: &mut words,
-        light: &mut room,
-    };
-    let mut neural = Neural::new(TRAINED, SIZE, spp, &mut light, scratch).unwrap();
+    let mut memory = vec![0; Neural::needs(SIZE)];
+    let mut neural = Neural::new(TRAINED, SIZE, spp, &mut memory).unwrap();
     crc_of(scene, camera, &mut neural, spp)
 }
 

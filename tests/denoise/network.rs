@@ -1,56 +1,74 @@
 //! The neural filter: its sums against plain ones, what it keeps, and what it refuses.
 
+use microlux::color::Rgb9e5;
+use microlux::film::Feature;
 use microlux::film::denoise::network::{
     BIASES, CHANNELS, CHECKSUM, HEAD, INPUTS, Input, LAYERS, LEVELS, MAX_SIDE, Needs, Network, NetworkError,
-    Scratch, TRAINED, WEIGHTS, Weights, WeightsError,
+    Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
+use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
 use microlux::num::Crc;
 
-use crate::Random;
+use crate::{Backwards, Random, Threads};
 
 /// Memory with something in it.
 struct Room {
-    bytes: Vec<u8>,
-    words: Vec<u32>,
-    light: Vec<[u16; 3]>,
+    fine: Vec<[u8; HEAD]>,
+    coarse: Vec<u32>,
+    work: Vec<u32>,
 }
 
 impl Room {
     fn new(width: usize, height: usize, fill: u8) -> Room {
-        let needs = Needs::of(width, height);
+        let Needs { fine, coarse, work } = Needs::of(width, height);
+        let word = u32::from(fill) * 0x0101_0101;
         Room {
-            bytes: vec![fill; needs.bytes],
-            words: vec![u32::from(fill) * 0x0101_0101; needs.words],
-            light: vec![[u16::from(fill); 3]; needs.light],
+            fine: vec![[fill; HEAD]; fine],
+            coarse: vec![word; coarse],
+            work: vec![word; work],
         }
     }
 
     fn lend(&mut self) -> Scratch<'_> {
         Scratch {
-            bytes: &mut self.bytes,
-            words: &mut self.words,
-            light: &mut self.light,
+            fine: &mut self.fine,
+            coarse: &mut self.coarse,
+            work: &mut self.work,
         }
     }
 }
 
-fn denoise(
+fn denoised_by(
+    pair: &impl Pair,
     weights: Weights,
     [width, height]: [usize; 2],
     light: &[[u16; 3]],
-    input: impl FnMut(usize) -> Input,
+    input: impl Fn(usize) -> Input + Sync,
     fill: u8,
 ) -> Vec<[u16; 3]> {
     let mut room = Room::new(width, height, fill);
-    let mut out = Vec::new();
+    let mut out = vec![[0; 3]; width * height];
+    let mut network = Network::new(weights, width, height, room.lend()).unwrap();
+    network.extract(pair, input);
+    network
+        .filter(pair, |at| light[at], &mut out, |light| light)
+        .unwrap();
+    out
+}
+
+fn denoised(
+    weights: Weights,
+    [width, height]: [usize; 2],
+    light: &[[u16; 3]],
+    input: impl Fn(usize) -> Input + Sync,
+    fill: u8,
+) -> Vec<[u16; 3]> {
+    let mut room = Room::new(width, height, fill);
+    let mut out = vec![[0; 3]; width * height];
     Network::new(weights, width, height, room.lend())
         .unwrap()
-        .run(light, input, |y, row| {
-            assert_eq!(out.len(), y * width);
-            out.extend_from_slice(row);
-        })
+        .run(input, |at| light[at], &mut out)
         .unwrap();
-    assert_eq!(out.len(), width * height);
     out
 }
 
@@ -217,7 +235,7 @@ fn two_sums_in_a_word_are_both_sums() {
         let mut room = Room::new(width, height, 0xaa);
         let weights = Weights::new(&table, &biases).unwrap();
         let mut network = Network::new(weights, width, height, room.lend()).unwrap();
-        network.extract(|at| input[at]);
+        network.extract(&Alone, |at| input[at]);
         let plain = plainly(&*table, &*biases, &input, width, height);
         for level in 0..LEVELS {
             let heads = network.heads(level);
@@ -245,7 +263,7 @@ fn light_that_is_the_same_all_over_stays() {
         for light in [[0, 1, 65535], [4096, 3, 777], [65535; 3]] {
             let all = vec![light; width * height];
             for weights in [TRAINED, Weights::new(&table, &biases).unwrap()] {
-                let out = denoise(weights, [width, height], &all, |at| input[at], 1);
+                let out = denoised(weights, [width, height], &all, |at| input[at], 1);
                 assert_eq!(out, all, "{width} x {height}");
             }
         }
@@ -262,7 +280,7 @@ fn light_is_mixed_and_never_made() {
         let light: Vec<[u16; 3]> = (0..width * height)
             .map(|_| [0; 3].map(|_| (1000 + rng.below(40_000)) as u16))
             .collect();
-        let out = denoise(weights, [width, height], &light, |at| input[at], 2);
+        let out = denoised(weights, [width, height], &light, |at| input[at], 2);
         for c in 0..3 {
             let (low, high) = (light.iter().map(|l| l[c]).min(), light.iter().map(|l| l[c]).max());
             let (low, high) = (i32::from(low.unwrap()), i32::from(high.unwrap()));
@@ -304,7 +322,7 @@ fn nothing_panics_and_every_run_is_the_same() {
             .collect();
         let crc = |fill: u8| {
             let mut crc = Crc::new();
-            for pixel in denoise(weights, [width, height], &light, |at| input[at], fill) {
+            for pixel in denoised(weights, [width, height], &light, |at| input[at], fill) {
                 pixel.iter().for_each(|c| crc.bytes(&c.to_le_bytes()));
             }
             crc.value()
@@ -314,29 +332,93 @@ fn nothing_panics_and_every_run_is_the_same() {
 }
 
 #[test]
+fn two_workers_do_what_one_does() {
+    let mut rng = Random(5);
+    for size in SIZES {
+        let (table, biases) = weights(&mut rng);
+        let weights = Weights::new(&table, &biases).unwrap();
+        let count = size[0] * size[1];
+        let input = inputs(&mut rng, count);
+        let light: Vec<[u16; 3]> = (0..count)
+            .map(|_| [0; 3].map(|_| rng.below(65_536) as u16))
+            .collect();
+        let alone = denoised(weights, size, &light, |at| input[at], 3);
+        let threads = denoised_by(&Threads, weights, size, &light, |at| input[at], 4);
+        let backwards = denoised_by(&Backwards, weights, size, &light, |at| input[at], 5);
+        assert!(alone == threads && alone == backwards, "{size:?}");
+    }
+}
+
+/// Where its work has room in the answer's place, and where it has not.
+#[test]
+fn a_filters_memory_does_not_matter() {
+    let mut rng = Random(6);
+    for (width, height) in [(80, 60), (77, 61), (24, 20), (3, 1)] {
+        let size = Size { width, height };
+        let count = size.pixels();
+        let mut pixel = || Feature {
+            irradiance: Rgb9e5::from_bits([0; 3].map(|_| 1 + rng.below(40_000)), -12),
+            albedo: [0; 3].map(|_| rng.below(256) as u8),
+            depth: rng.below(256) as u8,
+            ..Feature::default()
+        };
+        let frame: Vec<Feature> = (0..count).map(|_| pixel()).collect();
+        let lengths: Vec<u8> = (0..count).map(|at| 1 + at as u8 % 8).collect();
+
+        let exposure = exposure(&frame);
+        let input = |at: usize| Input::new(&frame[at], 2 * u32::from(lengths[at]), exposure);
+        let light: Vec<_> = frame.iter().map(irradiance).collect();
+        let clean = denoised(TRAINED, [width.into(), height.into()], &light, input, 7);
+        let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);
+        let expected: Vec<Rgb9e5> = clean.into_iter().map(encoded).collect();
+
+        let mut memory = vec![u32::MAX; Neural::needs(size)];
+        let mut neural = Neural::new(TRAINED, size, 2, &mut memory).unwrap();
+        let mut room = frame.clone();
+        neural.filter(
+            &Threads,
+            size,
+            &frame,
+            &lengths,
+            denoise::Scratch::over(&mut room),
+        );
+        assert!(
+            denoise::Scratch::over(&mut room).light == expected,
+            "{width} x {height}"
+        );
+        // Another size's frame becomes black.
+        let mut room = frame.clone();
+        let short = &mut room[1..];
+        neural.filter(&Alone, size, &frame[1..], &lengths, denoise::Scratch::over(short));
+        let black = denoise::Scratch::over(short).light;
+        assert!(black.iter().all(|light| *light == Rgb9e5::BLACK));
+    }
+}
+
+#[test]
 fn what_is_short_is_named() {
     let [width, height] = [33, 17];
     let needs = Needs::of(width, height);
-    let refused = |bytes: usize, words: usize, light: usize| {
+    let refused = |fine: usize, coarse: usize, work: usize| {
         let mut room = Room::new(width, height, 0);
-        room.bytes.truncate(bytes);
-        room.words.truncate(words);
-        room.light.truncate(light);
+        room.fine.truncate(fine);
+        room.coarse.truncate(coarse);
+        room.work.truncate(work);
         Network::new(TRAINED, width, height, room.lend()).err()
     };
-    let Needs { bytes, words, light } = needs;
-    assert_eq!(refused(bytes, words, light), None);
+    let Needs { fine, coarse, work } = needs;
+    assert_eq!(refused(fine, coarse, work), None);
     assert_eq!(
-        refused(bytes - 1, words, light),
-        Some(NetworkError::Bytes { needed: bytes })
+        refused(fine - 1, coarse, work),
+        Some(NetworkError::Fine { needed: fine })
     );
     assert_eq!(
-        refused(bytes, words - 1, light),
-        Some(NetworkError::Words { needed: words })
+        refused(fine, coarse - 1, work),
+        Some(NetworkError::Coarse { needed: coarse })
     );
     assert_eq!(
-        refused(bytes, words, light - 1),
-        Some(NetworkError::Light { needed: light })
+        refused(fine, coarse, work - 1),
+        Some(NetworkError::Work { needed: work })
     );
     for [width, height] in [[0, 4], [4, 0], [MAX_SIDE + 1, 4], [usize::MAX; 2]] {
         let mut room = Room::new(4, 4, 0);
@@ -346,10 +428,23 @@ fn what_is_short_is_named() {
     let mut room = Room::new(width, height, 0);
     let mut network = Network::new(TRAINED, width, height, room.lend()).unwrap();
     let needed = width * height;
-    let error = network.filter(&vec![[0; 3]; needed - 1], |_, _| {});
-    assert_eq!(error, Err(NetworkError::Irradiance { needed }));
-    let words = NetworkError::Words { needed: 7 }.to_string();
-    assert_eq!(words, "scratch.words is short: 7 words are needed");
+    let error = network.filter(&Alone, |_| [0; 3], &mut vec![[0; 3]; needed - 1], |light| light);
+    assert_eq!(error, Err(NetworkError::Out { needed }));
+    let size = Size {
+        width: 33,
+        height: 17,
+    };
+    let needed = Neural::needs(size);
+    let mut memory = vec![0; needed];
+    assert!(Neural::new(TRAINED, size, 1, &mut memory).is_ok());
+    let error = Neural::new(TRAINED, size, 1, &mut memory[1..]).err();
+    assert_eq!(error, Some(NetworkError::Memory { needed }));
+    let size = Size { height: 0, ..size };
+    let (width, height) = (33, 0);
+    let error = Neural::new(TRAINED, size, 1, &mut memory).err();
+    assert_eq!(error, Some(NetworkError::Size { width, height }));
+    let words = NetworkError::Work { needed: 7 }.to_string();
+    assert_eq!(words, "scratch.work is short: 7 words are needed");
 }
 
 #[test]
@@ -382,7 +477,17 @@ fn trained_weights_are_those_that_were_exported() {
 
 #[test]
 fn memory_at_the_size_of_a_small_display() {
-    let needs = Needs::of(80, 60);
-    let all = needs.bytes + 4 * needs.words + 6 * needs.light;
-    assert_eq!(all, 100_128);
+    let Needs { fine, coarse, work } = Needs::of(80, 60);
+    assert_eq!([8 * fine, 4 * coarse, 4 * work], [38_400, 20_480, 13_952]);
+    let size = Size {
+        width: 80,
+        height: 60,
+    };
+    assert_eq!(4 * Neural::needs(size), 20_480);
+    let size = Size {
+        width: 24,
+        height: 20,
+    };
+    let Needs { coarse, work, .. } = Needs::of(24, 20);
+    assert_eq!(Neural::needs(size), coarse + work);
 }

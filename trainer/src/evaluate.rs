@@ -10,7 +10,7 @@ use host_sim::oidn::{Input, Oidn, Quality};
 use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
-use microlux::film::denoise::network::{Needs, Neural, Scratch, TRAINED, Weights};
+use microlux::film::denoise::network::{Neural, TRAINED, Weights};
 use microlux::film::denoise::{Denoiser, Filter, Memory, ROWS, Seen, Size};
 use microlux::film::feature::{Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
@@ -242,20 +242,12 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
 
 /// By the network, in the core.
 fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
-    let needs = Needs::of(scene.width, scene.height);
-    let (mut bytes, mut words) = (vec![0; needs.bytes], vec![0; needs.words]);
-    let mut room = vec![[0; 3]; needs.light];
-    let mut light = vec![[0; 3]; scene.depth.len()];
-    let scratch = Scratch {
-        bytes: &mut bytes,
-        words: &mut words,
-        light: &mut room,
-    };
     let size = Size {
         width: scene.width as u16,
         height: scene.height as u16,
     };
-    let mut neural = Neural::new(weights, size, scene.samples, &mut light, scratch)?;
+    let mut memory = vec![0; Neural::needs(size)];
+    let mut neural = Neural::new(weights, size, scene.samples, &mut memory)?;
     core(&mut neural, scene)
 }
 

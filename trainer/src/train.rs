@@ -430,7 +430,8 @@ mod tests {
     /// The heads of the float network with everything rounded are the core's, bit for bit.
     #[test]
     fn rounded_heads_are_the_cores() {
-        use microlux::film::denoise::network::{Input, LEVELS, Needs, Network, Scratch, Weights};
+        use microlux::film::denoise::Alone;
+        use microlux::film::denoise::network::{HEAD, Input, LEVELS, Needs, Network, Scratch, Weights};
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         for (seed, (width, height)) in [(64, 48), (1, 1), (7, 5), (33, 9), (2, 31)]
             .into_iter()
@@ -455,16 +456,15 @@ mod tests {
             let light: Vec<[u16; 3]> = (0..size)
                 .map(|_| [0; 3].map(|_| rng.random::<u16>() >> rng.random_range(0..12)))
                 .collect();
-            let needs = Needs::of(width, height);
-            let (mut bytes, mut words) = (vec![0xaa; needs.bytes], vec![7; needs.words]);
-            let mut room = vec![[9; 3]; needs.light];
+            let Needs { fine, coarse, work } = Needs::of(width, height);
+            let (mut fine, mut coarse, mut work) = (vec![[0xaa; HEAD]; fine], vec![7; coarse], vec![9; work]);
             let scratch = Scratch {
-                bytes: &mut bytes,
-                words: &mut words,
-                light: &mut room,
+                fine: &mut fine,
+                coarse: &mut coarse,
+                work: &mut work,
             };
             let mut network = Network::new(weights, width, height, scratch).unwrap();
-            network.extract(|at| Input::from_bits(inputs[at]));
+            network.extract(&Alone, |at| Input::from_bits(inputs[at]));
 
             let mut planes = Planes::new(INPUTS, height, width);
             for (at, input) in inputs.iter().enumerate() {
@@ -496,16 +496,15 @@ mod tests {
                 .collect();
             let filtered = nn::filter(&floats, &trace.heads, Mode::Integer);
             let mut worst = 0f32;
+            let mut out = vec![[0; 3]; size];
             network
-                .filter(&light, |y, row| {
-                    for (x, pixel) in row.iter().enumerate() {
-                        for c in 0..3 {
-                            let off = (f32::from(pixel[c]) - filtered.out[0][y * width + x][c]).abs();
-                            worst = worst.max(off);
-                        }
-                    }
-                })
+                .filter(&Alone, |at| light[at], &mut out, |light| light)
                 .unwrap();
+            for (pixel, float) in out.iter().zip(&filtered.out[0]) {
+                for c in 0..3 {
+                    worst = worst.max((f32::from(pixel[c]) - float[c]).abs());
+                }
+            }
             println!("{width} x {height}: filter off by {worst}");
             assert!(worst < 700.0, "{worst}");
         }

@@ -3,7 +3,7 @@
 use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
-    film::denoise::network::{Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
+    film::denoise::network::{HEAD, Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
     film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Size, accumulate},
     integrator::Path,
     num::Crc,
@@ -39,10 +39,10 @@ struct Room {
     frames: [[Feature; PIXELS]; 2],
     lengths: [[u8; PIXELS]; 2],
     rows: [[Rgb9e5; SIZE.width as usize]; 2],
-    bytes: [u8; NEEDS.bytes],
-    words: [u32; NEEDS.words],
-    light: [[u16; 3]; NEEDS.light],
-    irradiance: [[u16; 3]; PIXELS],
+    fine: [[u8; HEAD]; NEEDS.fine],
+    coarse: [u32; NEEDS.coarse],
+    work: [u32; NEEDS.work],
+    clean: [Rgb9e5; PIXELS],
     guides: [Feature; 4 * PIXELS],
     shown: [Radiance; 4 * PIXELS],
 }
@@ -55,10 +55,10 @@ pub fn run(scene: Builtin) -> u32 {
         frames: [[Feature::default(); PIXELS]; 2],
         lengths: [[0; PIXELS]; 2],
         rows: [[Rgb9e5::BLACK; SIZE.width as usize]; 2],
-        bytes: [0; NEEDS.bytes],
-        words: [0; NEEDS.words],
-        light: [[0; 3]; NEEDS.light],
-        irradiance: [[0; 3]; PIXELS],
+        fine: [[0; HEAD]; NEEDS.fine],
+        coarse: [0; NEEDS.coarse],
+        work: [0; NEEDS.work],
+        clean: [Rgb9e5::BLACK; PIXELS],
         guides: [Feature::default(); 4 * PIXELS],
         shown: [Radiance::BLACK; 4 * PIXELS],
     };
@@ -141,10 +141,10 @@ fn clean(room: &mut Room) -> u32 {
     let Room {
         frames: [before, now],
         lengths: [_, lengths],
-        bytes,
-        words,
-        light: room_light,
-        irradiance: own,
+        fine,
+        coarse,
+        work,
+        clean: cleaned,
         guides,
         shown,
         ..
@@ -177,29 +177,22 @@ fn clean(room: &mut Room) -> u32 {
     for light in shown {
         fingerprint::pixel(&mut crc, *light);
     }
-    let scratch = Scratch {
-        bytes,
-        words,
-        light: room_light,
-    };
+    let scratch = Scratch { fine, coarse, work };
     let (width, height) = (SIZE.width.into(), SIZE.height.into());
     let Ok(mut network) = Network::new(TRAINED, width, height, scratch) else {
         return 0;
     };
     region::count(3, || {
         let exposure = exposure(now);
-        network.extract(|at| Input::new(&now[at], lengths[at].into(), exposure));
+        network.extract(&Alone, |at| Input::new(&now[at], lengths[at].into(), exposure));
     });
     let done = region::count(4, || {
-        for (light, pixel) in own.iter_mut().zip(&*now) {
-            *light = irradiance(pixel);
-        }
-        network.filter(own, |_, row| {
-            for light in row {
-                crc.word(Rgb9e5::from_bits(light.map(u32::from), -12).0);
-            }
-        })
+        let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);
+        network.filter(&Alone, |at| irradiance(&now[at]), cleaned, encoded)
     });
+    for light in cleaned {
+        crc.word(light.0);
+    }
     done.map_or(0, |()| crc.value())
 }
 

@@ -7,7 +7,7 @@ use microlux::{
     camera::Camera,
     color::Rgb9e5,
     film::Feature,
-    film::denoise::network::{Needs, Neural, Scratch, TRAINED},
+    film::denoise::network::{Neural, TRAINED},
     film::denoise::{Atrous, Denoiser, Filter, Memory, ROWS, Row, Seen, Size},
     geom::{Dir, Point},
     integrator::Path,
@@ -25,9 +25,6 @@ const SIZE: Size = Size {
 };
 const PIXELS: usize = SIZE.pixels();
 const FRAMES: u32 = 4;
-
-/// What the network works in.
-const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
 
 /// What takes the noise away.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -58,14 +55,8 @@ impl Case {
     /// Not inlined, so that its memory is taken while it runs and no longer.
     #[inline(never)]
     fn neural(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
-        let (mut bytes, mut words) = ([0; NEEDS.bytes], [0; NEEDS.words]);
-        let (mut room, mut light) = ([[0; 3]; NEEDS.light], [[0; 3]; PIXELS]);
-        let scratch = Scratch {
-            bytes: &mut bytes,
-            words: &mut words,
-            light: &mut room,
-        };
-        match Neural::new(TRAINED, SIZE, self.spp, &mut light, scratch) {
+        let mut memory = [0; Neural::needs(SIZE)];
+        match Neural::new(TRAINED, SIZE, self.spp, &mut memory) {
             Ok(mut neural) => self.frames(scene, camera, &mut neural, id),
             Err(_) => 0,
         }

@@ -54,7 +54,11 @@ const ROOTS: [u32; 8] = [4, 6, 7, 8, 9, 10, 11, 11];
 
 impl Filter for Atrous {
     fn filter(&mut self, pair: &impl Pair, size: Size, frame: &[Feature], lengths: &[u8], scratch: Scratch) {
-        let Scratch { light, other, aside } = scratch;
+        let Scratch { light, rest } = scratch;
+        let (other, aside) = rest.split_at_mut(size_of_val(light).min(rest.len()));
+        // Four bytes each, and as well aligned as light: the casts cannot fail.
+        let other = <[Rgb9e5]>::mut_from_bytes(other).unwrap_or(&mut []);
+        let aside = <[[u8; 4]]>::mut_from_bytes(aside).unwrap_or(&mut []);
         let (mut from, mut to) = (light, other);
         // Steps alternate between two planes and shall end in the first: an odd number begins in the second.
         if self.steps.min(5) % 2 == 1 {

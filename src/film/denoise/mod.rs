@@ -10,7 +10,8 @@
 //! other row of the same pass reads: bands of rows may be made in any order, by several cores ([`Pair`]), and the bits are
 //! the same.
 //!
-//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light.
+//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light. The filter by the network takes 4.3 more
+//! ([`network::Neural::needs`]).
 
 mod accumulate;
 mod atrous;
@@ -102,12 +103,13 @@ impl Filter for Off {
     }
 }
 
-/// Room for a filter, three planes of four bytes a pixel.
+/// Room for a filter, twelve bytes a pixel.
 #[derive(Debug)]
 pub struct Scratch<'a> {
+    /// A pixel each.
     pub light: &'a mut [Rgb9e5],
-    pub other: &'a mut [Rgb9e5],
-    pub aside: &'a mut [[u8; 4]],
+    /// Eight bytes a pixel, as well aligned as `light`.
+    pub rest: &'a mut [u8],
 }
 
 impl<'a> Scratch<'a> {
@@ -115,13 +117,9 @@ impl<'a> Scratch<'a> {
     pub fn over(pixels: &'a mut [Feature]) -> Scratch<'a> {
         let count = pixels.len();
         let (light, rest) = pixels.as_mut_bytes().split_at_mut(4 * count);
-        let (other, aside) = rest.split_at_mut(4 * count);
-        // Four bytes each and as well aligned as a pixel: the casts cannot fail.
-        Scratch {
-            light: <[Rgb9e5]>::mut_from_bytes(light).unwrap_or(&mut []),
-            other: <[Rgb9e5]>::mut_from_bytes(other).unwrap_or(&mut []),
-            aside: <[[u8; 4]]>::mut_from_bytes(aside).unwrap_or(&mut []),
-        }
+        // Four bytes each and as well aligned as a pixel: the cast cannot fail.
+        let light = <[Rgb9e5]>::mut_from_bytes(light).unwrap_or(&mut []);
+        Scratch { light, rest }
     }
 }
 

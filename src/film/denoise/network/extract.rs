@@ -1,174 +1,215 @@
 use super::layer::Packed;
-use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Shape};
-
-/// Activations and heads, cut out of the caller's bytes. The finest heads stand where its activations stood.
-pub(super) struct Cut<'a> {
-    pub ring: &'a mut [u8],
-    pub activations: [&'a mut [u8]; LEVELS],
-    /// Empty at the finest size.
-    pub heads: [&'a mut [u8]; LEVELS],
-}
-
-impl<'a> Cut<'a> {
-    pub fn new(bytes: &'a mut [u8], shape: &[Shape; LEVELS]) -> Cut<'a> {
-        let (ring, mut rest) = bytes.split_at_mut(Shape::ring(shape[0].width));
-        let mut take = |count: usize| {
-            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
-            rest = others;
-            part
-        };
-        let activations = core::array::from_fn(|level| take(CHANNELS[level] * shape[level].pixels()));
-        let heads = core::array::from_fn(|level| {
-            let pixels = if level == 0 { 0 } else { shape[level].pixels() };
-            take(HEAD * pixels)
-        });
-        Cut {
-            ring,
-            activations,
-            heads,
-        }
-    }
-}
+use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape, WORDS};
+use crate::film::denoise::Pair;
+use zerocopy::IntoBytes;
 
 impl Network<'_> {
-    /// The heads of all sizes, from what `input` says of each pixel (row by row, each asked once).
-    pub fn extract(&mut self, mut input: impl FnMut(usize) -> Input) {
+    /// The heads of all sizes, from what `input` says of pixel number i.
+    pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
         let Network {
             weights,
             shape,
-            scratch,
+            scratch: Scratch { fine, coarse, work },
         } = self;
-        let Cut {
-            ring,
-            mut activations,
-            heads,
-        } = Cut::new(scratch.bytes, shape);
+        let (words, rings) = work.split_at_mut(WORDS);
+        let (one, two) = rings.as_mut_bytes().split_at_mut(Shape::ring(shape[0].width));
+        let mut rings = [one, two];
+        let mut rest = coarse.as_mut_bytes();
+        let [half, quarter, eighth] = [1, 2, 3].map(|level| {
+            let count = CHANNELS[level] * shape[level].pixels();
+            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
+            rest = others;
+            part
+        });
+        let mut activations = [fine.as_flattened_mut(), half, quarter, eighth];
 
         // Down: what is seen, then the largest activation of each 2 × 2, convolved.
-        let (packed, _) = weights.pack(0, scratch.words);
+        let (packed, _) = weights.pack(0, words);
         let width = shape[0].width;
-        let see = |_: &mut &mut [u8], y: usize, row: &mut [u8]| {
+        let see = |y: usize, _: &[u8], row: &mut [u8]| {
             for (x, pixel) in row.chunks_exact_mut(INPUTS).enumerate() {
                 pixel.copy_from_slice(&input(y * width + x).0);
             }
         };
-        let keep = |all: &mut &mut [u8], y: usize, row: &[u8]| {
-            all[y * row.len()..][..row.len()].copy_from_slice(row);
+        let keep = |row: &[u8], place: &mut [u8]| place.copy_from_slice(row);
+        let layer = Convolution {
+            packed,
+            shape: shape[0],
+            inputs: INPUTS,
+            outputs: CHANNELS[0],
         };
-        convolve(
-            &packed,
-            shape[0],
-            INPUTS,
-            CHANNELS[0],
-            ring,
-            &mut activations[0],
-            see,
-            keep,
-        );
+        layer.run(pair, &mut rings, activations[0], see, keep);
         for level in 1..LEVELS {
-            let (packed, _) = weights.pack(level, scratch.words);
-            let [fine, coarse] = pair(&mut activations, level - 1);
+            let (packed, _) = weights.pack(level, words);
+            let [fine, coarse] = neighbours(&mut activations, level - 1);
             let (inputs, finer) = (CHANNELS[level - 1], shape[level - 1]);
-            let pool = |_: &mut &mut [u8], y: usize, row: &mut [u8]| pool(fine, inputs, finer, y, row);
-            convolve(
-                &packed,
-                shape[level],
+            let pool = |y: usize, _: &[u8], row: &mut [u8]| pool(fine, inputs, finer, y, row);
+            let layer = Convolution {
+                packed,
+                shape: shape[level],
                 inputs,
-                CHANNELS[level],
-                ring,
-                coarse,
-                pool,
-                keep,
-            );
+                outputs: CHANNELS[level],
+            };
+            layer.run(pair, &mut rings, coarse, pool, keep);
         }
 
-        // Once more at the coarsest size, in place: a row is written when it and the next were read.
+        // Once more at the coarsest size, in place.
         let bottom = LEVELS - 1;
-        let (packed, rest) = weights.pack(LEVELS, scratch.words);
-        let (head, _) = weights.pack(11 + bottom, rest);
-        let fill = |all: &mut &mut [u8], y: usize, row: &mut [u8]| {
-            row.copy_from_slice(&all[y * row.len()..][..row.len()]);
+        let (packed, _) = weights.pack(LEVELS, words);
+        let layer = Convolution {
+            packed,
+            shape: shape[bottom],
+            inputs: CHANNELS[bottom],
+            outputs: CHANNELS[bottom],
         };
-        let (inputs, coarsest) = (CHANNELS[bottom], shape[bottom]);
-        convolve(
-            &packed,
-            coarsest,
-            inputs,
-            inputs,
-            ring,
-            &mut activations[bottom],
-            fill,
-            keep,
-        );
-        put_heads(&head, activations[bottom], inputs, heads[bottom]);
+        let fill = |_: usize, own: &[u8], row: &mut [u8]| row.copy_from_slice(own);
+        layer.run(pair, &mut rings, activations[bottom], fill, keep);
 
-        // Up: the coarser size and this one's own activations merged, convolved in place, and read by the head.
+        // Up: the coarser size and this one's own activations merged, convolved in place; the finest heads on the way.
         for level in (0..bottom).rev() {
-            let (merge, rest) = weights.pack(5 + 2 * (bottom - 1 - level), scratch.words);
+            let (merge, rest) = weights.pack(5 + 2 * (bottom - 1 - level), words);
             let (packed, rest) = weights.pack(6 + 2 * (bottom - 1 - level), rest);
-            let (head, _) = weights.pack(11 + level, rest);
-            let [fine, coarse] = pair(&mut activations, level);
+            let [fine, coarse] = neighbours(&mut activations, level);
             let (own, coarse_inputs) = (CHANNELS[level], CHANNELS[level + 1]);
             let coarse_row = coarse_inputs * shape[level + 1].width;
-            let fill = |all: &mut &mut [u8], y: usize, row: &mut [u8]| {
+            let fill = |y: usize, own: &[u8], row: &mut [u8]| {
                 let above = &coarse[(y >> 1) * coarse_row..][..coarse_row];
-                merge.merge(above, coarse_inputs, &all[y * row.len()..][..row.len()], row);
+                merge.merge(above, coarse_inputs, own, row);
+            };
+            let layer = Convolution {
+                packed,
+                shape: shape[level],
+                inputs: own,
+                outputs: own,
             };
             if level > 0 {
-                convolve(&packed, shape[level], own, own, ring, fine, fill, keep);
-                put_heads(&head, fine, own, heads[level]);
+                layer.run(pair, &mut rings, fine, fill, keep);
             } else {
-                let keep = |all: &mut &mut [u8], y: usize, row: &[u8]| {
-                    put_heads(&head, row, own, &mut all[y * row.len()..][..row.len()]);
+                let (head, _) = weights.pack(11, rest);
+                let keep = |row: &[u8], place: &mut [u8]| {
+                    for (pixel, out) in row.chunks_exact(own).zip(place.as_chunks_mut::<HEAD>().0) {
+                        *out = head.head(pixel);
+                    }
                 };
-                convolve(&packed, shape[0], own, own, ring, fine, fill, keep);
+                layer.run(pair, &mut rings, fine, fill, keep);
+            }
+        }
+
+        // The coarser heads, from the start of the activations on: none is wider than those of its pixel.
+        let all = coarse.as_mut_bytes();
+        let (mut from, mut to) = (0, 0);
+        for level in 1..LEVELS {
+            let (head, _) = weights.pack(11 + level, words);
+            for _ in 0..shape[level].pixels() {
+                let made = head.head(&all[from..][..CHANNELS[level]]);
+                all[to..][..HEAD].copy_from_slice(&made);
+                from += CHANNELS[level];
+                to += HEAD;
             }
         }
     }
 
     /// The heads of size `level` (0 is the finest), after [`Self::extract`]: six features as `i8`, confidence, blend.
-    pub fn heads(&mut self, level: usize) -> &[[u8; HEAD]] {
+    pub fn heads(&self, level: usize) -> &[[u8; HEAD]] {
         let level = level.min(LEVELS - 1);
-        let Cut {
-            activations, heads, ..
-        } = Cut::new(self.scratch.bytes, &self.shape);
-        let mut parts = if level == 0 { activations } else { heads };
-        let part: &mut [u8] = core::mem::take(&mut parts[level]);
-        part.as_chunks().0
+        if level == 0 {
+            return self.scratch.fine;
+        }
+        let before: usize = self.shape[1..level].iter().map(|shape| shape.pixels()).sum();
+        let (heads, _) = self.scratch.coarse.as_bytes().as_chunks();
+        &heads[before..][..self.shape[level].pixels()]
     }
 }
 
 /// The parts at `level` and `level + 1`.
-fn pair<'p, 'a>(parts: &'p mut [&'a mut [u8]; LEVELS], level: usize) -> [&'p mut &'a mut [u8]; 2] {
+fn neighbours<'p>(parts: &'p mut [&mut [u8]; LEVELS], level: usize) -> [&'p mut [u8]; 2] {
     let (fine, coarse) = parts.split_at_mut(level + 1);
-    [&mut fine[level], &mut coarse[0]]
+    [&mut *fine[level], &mut *coarse[0]]
 }
 
-/// Runs a 3 × 3 layer over a picture whose rows `fill` makes, each once and in order, and `keep` takes; row y is taken
-/// after row y + 1 was made, so both may use the same memory.
-#[allow(clippy::too_many_arguments)]
-fn convolve<S>(
-    packed: &Packed,
+/// A 3 × 3 layer over a picture.
+struct Convolution<'a> {
+    packed: Packed<'a>,
     shape: Shape,
     inputs: usize,
     outputs: usize,
-    ring: &mut [u8],
-    state: &mut S,
-    mut fill: impl FnMut(&mut S, usize, &mut [u8]),
-    mut keep: impl FnMut(&mut S, usize, &[u8]),
-) {
-    let Shape { width, height } = shape;
-    let (ring, rest) = ring.split_at_mut(3 * inputs * width);
-    let out = &mut rest[..outputs * width];
-    let row = |y: usize| (y % 3) * inputs * width..(y % 3 + 1) * inputs * width;
-    fill(state, 0, &mut ring[row(0)]);
-    for y in 0..height {
-        if y + 1 < height {
-            fill(state, y + 1, &mut ring[row(y + 1)]);
+}
+
+impl Convolution<'_> {
+    /// Runs over the rows of `plane`, which hold outputs afterwards: `fill` makes the layer's input of row number y and of
+    /// what stands in that row, and `keep` puts its output there.
+    ///
+    /// A row is put when it and the next were read, and each half's nearest row is read before the other half begins.
+    fn run(
+        &self,
+        pair: &impl Pair,
+        rings: &mut [&mut [u8]; 2],
+        plane: &mut [u8],
+        fill: impl Fn(usize, &[u8], &mut [u8]) + Sync,
+        keep: impl Fn(&[u8], &mut [u8]) + Sync,
+    ) {
+        let Shape { width, height } = self.shape;
+        let (seen, line) = (self.inputs * width, self.outputs * width);
+        let half = height.div_ceil(2);
+        let (upper, lower) = plane.split_at_mut(half * line);
+        let [one, two] = rings.each_mut().map(|ring| Ring::new(ring, seen, line));
+        if half < height {
+            fill(half, &lower[..line], &mut *one.beyond);
+            fill(
+                half - 1,
+                &upper[(half - 1) * line..],
+                &mut two.rows[(half - 1) % 3 * seen..][..seen],
+            );
         }
-        let rows = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-        packed.convolve(rows.map(|y| &ring[row(y)]), out);
-        keep(state, y, out);
+        let band = |first: usize, rows: &mut [u8], ring: Ring| {
+            let Ring {
+                rows: near,
+                beyond,
+                out,
+            } = ring;
+            let at = |y: usize| y % 3 * seen..(y % 3 + 1) * seen;
+            let end = first + rows.len() / line;
+            for y in first..end {
+                if y == first {
+                    fill(y, &rows[..line], &mut near[at(y)]);
+                }
+                if y + 1 < end {
+                    fill(
+                        y + 1,
+                        &rows[(y + 1 - first) * line..][..line],
+                        &mut near[at(y + 1)],
+                    );
+                } else if y + 1 < height {
+                    near[at(y + 1)].copy_from_slice(beyond);
+                }
+                let three = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
+                self.packed.convolve(three.map(|y| &near[at(y)]), out);
+                keep(out, &mut rows[(y - first) * line..][..line]);
+            }
+        };
+        pair.both(|| band(0, upper, one), || band(half, lower, two));
+    }
+}
+
+/// A worker's rows.
+struct Ring<'a> {
+    /// Three inputs; row y is number y modulo 3.
+    rows: &'a mut [u8],
+    /// The input below the worker's last row.
+    beyond: &'a mut [u8],
+    /// An output.
+    out: &'a mut [u8],
+}
+
+impl<'a> Ring<'a> {
+    fn new(bytes: &'a mut [u8], seen: usize, line: usize) -> Ring<'a> {
+        let (rows, rest) = bytes.split_at_mut(3 * seen);
+        let (beyond, rest) = rest.split_at_mut(seen);
+        Ring {
+            rows,
+            beyond,
+            out: &mut rest[..line],
+        }
     }
 }
 
@@ -183,11 +224,5 @@ fn pool(fine: &[u8], channels: usize, shape: Shape, y: usize, row: &mut [u8]) {
             let above = upper[left + c].max(upper[right + c]);
             *out = above.max(lower[left + c]).max(lower[right + c]);
         }
-    }
-}
-
-fn put_heads(head: &Packed, pixels: &[u8], channels: usize, out: &mut [u8]) {
-    for (pixel, out) in pixels.chunks_exact(channels).zip(out.as_chunks_mut::<HEAD>().0) {
-        *out = head.head(pixel);
     }
 }

@@ -1,6 +1,7 @@
-use super::extract::Cut;
-use super::{HEAD, LEVELS, Network, NetworkError, Shape};
+use super::{Head, LEVELS, Light, Network, NetworkError, Scratch, Shape, halves};
+use crate::film::denoise::Pair;
 use crate::num::{leading_zeros, short_recip};
+use zerocopy::{FromBytes, IntoBytes};
 
 /// 255 exp(−i / 32).
 pub static EXP: [u8; 256] = {
@@ -23,9 +24,6 @@ pub static EXP: [u8; 256] = {
     }
     table
 };
-
-type Light = [u16; 3];
-type Head = [u8; HEAD];
 
 /// A mean about a centre: the weights, and the differences by weight.
 struct Mean {
@@ -99,129 +97,238 @@ fn confidence(head: &Head) -> u32 {
 }
 
 impl Network<'_> {
-    /// Filters by the heads that [`Self::extract`] left; `sink` gets each finished row, from the top.
-    pub fn filter(
+    /// Filters by the heads that [`Self::extract`] left: `light` answers with the irradiance of pixel number i, and `out`
+    /// gets what `make` says of each filtered one.
+    pub fn filter<T: Send>(
         &mut self,
-        irradiance: &[Light],
-        mut sink: impl FnMut(usize, &[Light]),
+        pair: &impl Pair,
+        light: impl Fn(usize) -> [u16; 3] + Sync,
+        out: &mut [T],
+        make: impl Fn([u16; 3]) -> T + Sync,
     ) -> Result<(), NetworkError> {
-        let shape = self.shape;
-        let needed = shape[0].pixels();
-        if irradiance.len() != needed {
-            return Err(NetworkError::Irradiance { needed });
+        let needed = self.shape[0].pixels();
+        if out.len() != needed {
+            return Err(NetworkError::Out { needed });
         }
-        let Cut {
-            activations, heads, ..
-        } = Cut::new(self.scratch.bytes, &shape);
+        self.filter_coarse(pair, &light);
+        let last = Last::new(self.shape, self.scratch.fine, self.scratch.coarse);
+        last.filter(pair, light, out, make);
+        Ok(())
+    }
+
+    /// All but the finest size, which [`Last`] makes of this.
+    pub(super) fn filter_coarse(&mut self, pair: &impl Pair, light: &(impl Fn(usize) -> Light + Sync)) {
+        let shape = self.shape;
+        let Scratch { fine, coarse, work } = &mut self.scratch;
+        let (rest, done_half) = parted(coarse.as_mut_bytes(), shape[1].pixels());
+        let mut rest: &[Head] = rest.as_chunks().0;
         let heads: [&[Head]; LEVELS] = core::array::from_fn(|level| {
-            let bytes: &[u8] = if level == 0 {
-                &*activations[0]
-            } else {
-                &*heads[level]
-            };
-            bytes.as_chunks().0
-        });
-        let (row, mut rest) = self.scratch.light.split_at_mut(shape[0].width);
-        let mut take = |count: usize| {
-            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
+            if level == 0 {
+                return &**fine;
+            }
+            let (part, others) = rest.split_at(shape[level].pixels());
             rest = others;
             part
+        });
+        let mut rest = work.as_mut_bytes();
+        let mut take = |level: usize| {
+            let count = size_of::<Light>() * shape[level].pixels();
+            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
+            rest = others;
+            lights(part)
         };
-        let pixels = |level: usize| if level == 0 { 0 } else { shape[level].pixels() };
-        let mut light: [&mut [Light]; LEVELS] = core::array::from_fn(|level| take(pixels(level)));
-        let mut done: [&mut [Light]; LEVELS] = core::array::from_fn(|level| take(pixels(level)));
+        let mut before: [&mut [Light]; LEVELS] =
+            core::array::from_fn(|level| if level == 0 { &mut [] } else { take(level) });
+        let [two, three] = [2, 3].map(take);
+        let mut done = [&mut [], done_half, two, three];
 
         for level in 1..LEVELS {
-            let (finer, coarser) = light.split_at_mut(level);
-            let fine = if level == 1 {
-                irradiance
-            } else {
-                &*finer[level - 1]
-            };
-            shrink(fine, heads[level - 1], shape[level - 1], coarser[0], shape[level]);
+            let (finer, coarser) = before.split_at_mut(level);
+            let (finer, width) = (&*finer[level - 1], shape[level].width);
+            let (heads, finer_shape) = (heads[level - 1], shape[level - 1]);
+            halves(pair, coarser[0], width, |first, rows| {
+                if level == 1 {
+                    shrink(light, heads, finer_shape, first, rows, width);
+                } else {
+                    shrink(|at| finer[at], heads, finer_shape, first, rows, width);
+                }
+            });
         }
-        let bottom = LEVELS - 1;
-        for y in 0..shape[bottom].height {
-            for x in 0..shape[bottom].width {
-                let mean = around::<2>(light[bottom], heads[bottom], shape[bottom], x, y);
-                done[bottom][y * shape[bottom].width + x] = mean;
-            }
-        }
-        for level in (0..bottom).rev() {
+        for level in (1..LEVELS).rev() {
             let (finer, coarser) = done.split_at_mut(level + 1);
-            let own = if level == 0 { irradiance } else { &*light[level] };
-            let coarse = Coarse {
-                light: &*coarser[0],
+            let coarse = coarser.first().map(|light| Coarse {
+                light,
                 heads: heads[level + 1],
                 shape: shape[level + 1],
-            };
-            for y in 0..shape[level].height {
-                let from = y * shape[level].width;
-                let out = if level == 0 {
-                    &mut *row
-                } else {
-                    &mut finer[level][from..][..shape[level].width]
-                };
-                for (x, out) in out.iter_mut().enumerate() {
-                    let head = &heads[level][from + x];
-                    let filtered = if level == 0 {
-                        around::<1>(own, heads[level], shape[level], x, y)
-                    } else {
-                        around::<2>(own, heads[level], shape[level], x, y)
-                    };
-                    let raised = coarse.raise(head, x, y);
-                    // 0 ..= 256, both ends whole.
-                    let blend = i32::from(head[7]) + i32::from(head[7] >> 7);
-                    for i in 0..3 {
-                        let (up, own) = (i32::from(raised[i]), i32::from(filtered[i]));
-                        out[i] = (up + (((own - up) * blend + 128) >> 8)) as u16;
+            });
+            let (light, heads, width) = (&*before[level], heads[level], shape[level].width);
+            halves(pair, finer[level], width, |first, rows| {
+                for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
+                    let near: Near<5> = Near::of(light, heads, width, y);
+                    for (x, out) in row.iter_mut().enumerate() {
+                        *out = near.filtered(x, y, coarse.as_ref());
                     }
                 }
-                if level == 0 {
-                    sink(y, row);
-                }
-            }
+            });
         }
-        Ok(())
     }
 }
 
-/// The next coarser size: each 2 × 2 by confidence.
-fn shrink(fine: &[Light], heads: &[Head], shape: Shape, coarse: &mut [Light], coarse_shape: Shape) {
-    for (y, row) in coarse.chunks_exact_mut(coarse_shape.width).enumerate() {
+/// What makes the finest light, when all coarser sizes are done.
+pub(super) struct Last<'a> {
+    shape: [Shape; LEVELS],
+    heads: &'a [Head],
+    coarse: Coarse<'a>,
+    /// Three rows for each worker.
+    rings: [&'a mut [Light]; 2],
+}
+
+impl<'a> Last<'a> {
+    /// In what the other passes left of a [`Scratch`].
+    pub fn new(shape: [Shape; LEVELS], fine: &'a [Head], coarse: &'a mut [u32]) -> Last<'a> {
+        let half = shape[1].pixels();
+        let (rest, light) = parted(coarse.as_mut_bytes(), half);
+        let (heads, rest) = rest.split_at_mut(size_of::<Head>() * half);
+        let ring = Shape::lights(shape[0].width);
+        let (one, rest) = rest.split_at_mut(ring);
+        Last {
+            shape,
+            heads: fine,
+            coarse: Coarse {
+                light,
+                heads: heads.as_chunks().0,
+                shape: shape[1],
+            },
+            rings: [lights(one), lights(&mut rest[..ring])],
+        }
+    }
+
+    pub fn filter<T: Send>(
+        self,
+        pair: &impl Pair,
+        light: impl Fn(usize) -> Light + Sync,
+        out: &mut [T],
+        make: impl Fn(Light) -> T + Sync,
+    ) {
+        let Shape { width, height } = self.shape[0];
+        let Last { heads, coarse, .. } = self;
+        let [one, two] = self.rings;
+        let band = |first: usize, rows: &mut [T], ring: &mut [Light]| {
+            let at = |y: usize| y % 3 * width..(y % 3 + 1) * width;
+            for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
+                // Each row's light is looked at once; before the first row that of the one above it, too.
+                let new = if y == first { y.saturating_sub(1) } else { y + 1 };
+                for y in new..(y + 2).min(height) {
+                    for (x, place) in ring[at(y)].iter_mut().enumerate() {
+                        *place = light(y * width + x);
+                    }
+                }
+                let near: Near<3> = Near {
+                    light: core::array::from_fn(|i| match (y + i).checked_sub(1) {
+                        Some(y) if y < height => &ring[at(y)],
+                        _ => &[],
+                    }),
+                    heads: rows_about(heads, width, y),
+                };
+                for (x, out) in row.iter_mut().enumerate() {
+                    *out = make(near.filtered(x, y, Some(&coarse)));
+                }
+            }
+        };
+        let (upper, lower) = out.split_at_mut(height.div_ceil(2) * width);
+        pair.both(|| band(0, upper, one), || band(height.div_ceil(2), lower, two));
+    }
+}
+
+/// The bytes before, and at the end the light of so many pixels.
+fn parted(bytes: &mut [u8], pixels: usize) -> (&mut [u8], &mut [Light]) {
+    let (front, end) = bytes.split_at_mut(bytes.len() - size_of::<Light>() * pixels);
+    (front, lights(end))
+}
+
+fn lights(bytes: &mut [u8]) -> &mut [Light] {
+    // Whole pixels in a part of words, each part an even number of bytes: the cast cannot fail.
+    <[Light]>::mut_from_bytes(bytes).unwrap_or(&mut [])
+}
+
+/// The next coarser size from its row `first` on: each 2 × 2 by confidence.
+fn shrink(
+    fine: impl Fn(usize) -> Light,
+    heads: &[Head],
+    shape: Shape,
+    first: usize,
+    coarse: &mut [Light],
+    coarse_width: usize,
+) {
+    for (y, row) in (first..).zip(coarse.chunks_exact_mut(coarse_width)) {
         for (x, out) in row.iter_mut().enumerate() {
             let (left, top) = (2 * x, 2 * y);
             let (right, below) = ((left + 1).min(shape.width - 1), (top + 1).min(shape.height - 1));
             let first = top * shape.width + left;
-            let mut mean = Mean::new(fine[first], confidence(&heads[first]));
+            let mut mean = Mean::new(fine(first), confidence(&heads[first]));
             for (x, y) in [(right, top), (left, below), (right, below)] {
                 let place = y * shape.width + x;
-                mean.add(fine[place], confidence(&heads[place]));
+                mean.add(fine(place), confidence(&heads[place]));
             }
             *out = mean.value();
         }
     }
 }
 
-/// The mean of (2 `REACH` + 1)² pixels by affinity and confidence; those beyond the edge count for nothing.
-#[inline(always)]
-fn around<const REACH: usize>(light: &[Light], heads: &[Head], shape: Shape, x: usize, y: usize) -> Light {
-    let centre = y * shape.width + x;
-    let head = &heads[centre];
-    // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
-    let mut mean = Mean::new(light[centre], (255 * confidence(head)) >> 6);
-    for row in y.saturating_sub(REACH)..=(y + REACH).min(shape.height - 1) {
-        for column in x.saturating_sub(REACH)..=(x + REACH).min(shape.width - 1) {
-            let place = row * shape.width + column;
-            let other = &heads[place];
-            let weight = (affinity(head, other) * confidence(other)) >> 6;
-            // The centre's difference is nothing; its weight was counted.
-            if place != centre {
-                mean.add(light[place], weight);
-            }
+/// Row y in the middle, `ROWS` in all; those beside the picture are empty.
+fn rows_about<T, const ROWS: usize>(all: &[T], width: usize, y: usize) -> [&[T]; ROWS] {
+    core::array::from_fn(|i| match (y + i).checked_sub(ROWS / 2) {
+        Some(y) => all.get(y * width..(y + 1) * width).unwrap_or(&[]),
+        None => &[],
+    })
+}
+
+/// A row with those about it.
+struct Near<'a, const ROWS: usize> {
+    light: [&'a [Light]; ROWS],
+    heads: [&'a [Head]; ROWS],
+}
+
+impl<'a, const ROWS: usize> Near<'a, ROWS> {
+    fn of(light: &'a [Light], heads: &'a [Head], width: usize, y: usize) -> Near<'a, ROWS> {
+        Near {
+            light: rows_about(light, width, y),
+            heads: rows_about(heads, width, y),
         }
     }
-    mean.value()
+
+    /// Pixel x of the middle row, which is number y: the mean about it, blended with the coarser size if there is one.
+    #[inline(always)]
+    fn filtered(&self, x: usize, y: usize, coarse: Option<&Coarse>) -> Light {
+        let head = &self.heads[ROWS / 2][x];
+        let mut out = self.mean(x, head);
+        if let Some(coarse) = coarse {
+            let raised = coarse.raise(head, x, y);
+            // 0 ..= 256, both ends whole.
+            let blend = i32::from(head[7]) + i32::from(head[7] >> 7);
+            for (out, up) in out.iter_mut().zip(raised) {
+                let (own, up) = (i32::from(*out), i32::from(up));
+                *out = (up + (((own - up) * blend + 128) >> 8)) as u16;
+            }
+        }
+        out
+    }
+
+    /// The mean of `ROWS`² pixels by affinity and confidence; those beyond the edge count for nothing.
+    #[inline(always)]
+    fn mean(&self, x: usize, head: &Head) -> Light {
+        // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
+        let mut mean = Mean::new(self.light[ROWS / 2][x], 0);
+        let width = self.light[ROWS / 2].len();
+        let columns = x.saturating_sub(ROWS / 2)..(x + ROWS / 2 + 1).min(width);
+        for (light, heads) in self.light.into_iter().zip(self.heads) {
+            let (light, heads) = (light.get(columns.clone()), heads.get(columns.clone()));
+            for (light, other) in light.unwrap_or(&[]).iter().zip(heads.unwrap_or(&[])) {
+                mean.add(*light, (affinity(head, other) * confidence(other)) >> 6);
+            }
+        }
+        mean.value()
+    }
 }
 
 /// A finished coarser size.

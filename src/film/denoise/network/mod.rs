@@ -17,7 +17,7 @@
 //!
 //! Every mean is its own centre plus a weighted difference, so where irradiance is the same all over it stays, bit for
 //! bit. Weights are 8 bits, activations 6 bits (0 ..= 63 stand for 0 ..= 3.94), sums 16 bits, two to a word: see
-//! [`Weights::new`]. Nothing panics after [`Network::new`].
+//! [`Weights::new`]. Nothing panics after [`Network::new`]. By two workers ([`Pair`]) the bits are the same.
 
 mod extract;
 mod filter;
@@ -32,56 +32,69 @@ pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError};
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
 
+use super::{Alone, Pair};
+
 /// Sizes at which the network sees the picture: each half the one before, rounded up.
 pub const LEVELS: usize = 4;
 /// Bytes of a pixel's head: six features (signed, eighths), confidence, blend.
 pub const HEAD: usize = 8;
 /// Channels of activations at each size.
 pub const CHANNELS: [usize; LEVELS] = [8, 12, 16, 16];
-/// Words of packed weights that the widest step keeps: merge, convolution and head at a quarter of the size.
-const WORDS: usize = (16 + 16) * 8 + 9 * 16 * 8 + 16 * 4;
+/// Words of packed weights that the widest step keeps: merge and convolution at a quarter of the size.
+const WORDS: usize = (16 + 16) * 8 + 9 * 16 * 8;
 
-/// What a picture of some size takes of the caller's memory.
+type Light = [u16; 3];
+type Head = [u8; HEAD];
+
+/// How long the slices of a [`Scratch`] have to be for pictures of some size.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// Bytes: activations and heads.
-    pub bytes: usize,
-    /// Words: weights, unpacked for the step under way.
-    pub words: usize,
-    /// Pixels: irradiance at the coarser sizes, before and after, and a row.
-    pub light: usize,
+    /// Pixels.
+    pub fine: usize,
+    /// Words.
+    pub coarse: usize,
+    /// Words.
+    pub work: usize,
 }
 
 impl Needs {
     /// For pictures of up to [`MAX_SIDE`] pixels a side; larger ones are refused by [`Network::new`].
     pub const fn of(width: usize, height: usize) -> Needs {
-        let mut bytes = Shape::ring(width);
-        let mut light = width;
-        let mut level = 0;
+        let (mut activations, mut heads, mut light) = (0, 0, 0);
+        let mut level = 1;
         while level < LEVELS {
             let pixels = Shape::of(width, height, level).pixels();
-            // The finest heads take the place of that size's activations.
-            bytes += CHANNELS[level] * pixels;
-            if level > 0 {
-                bytes += HEAD * pixels;
-                light += 2 * pixels;
-            }
+            activations += CHANNELS[level] * pixels;
+            heads += size_of::<Head>() * pixels;
+            light += 2 * size_of::<Light>() * pixels;
             level += 1;
         }
+        let half = Shape::of(width, height, 1).pixels();
+        let done = size_of::<Light>() * half;
+        let last = size_of::<Head>() * half + 2 * Shape::lights(width) + done;
         Needs {
-            bytes,
-            words: WORDS,
-            light,
+            fine: width * height,
+            coarse: max(activations, max(heads + done, last)).div_ceil(4),
+            work: max(4 * WORDS + 2 * Shape::ring(width), light - done).div_ceil(4),
         }
     }
+}
+
+const fn max(a: usize, b: usize) -> usize {
+    if a > b { a } else { b }
 }
 
 /// Memory lent to a [`Network`]; what is in it before does not matter.
 #[derive(Debug)]
 pub struct Scratch<'a> {
-    pub bytes: &'a mut [u8],
-    pub words: &'a mut [u32],
-    pub light: &'a mut [[u16; 3]],
+    /// The finest size's activations, in whose place come its heads.
+    pub fine: &'a mut [[u8; HEAD]],
+    /// The coarser sizes' activations; then their heads from the start on, and at the end what the finest light is
+    /// raised from.
+    pub coarse: &'a mut [u32],
+    /// Weights, unpacked for the step under way, and rows for each worker; then light of the coarser sizes. Of no use to
+    /// the filter's last pass, which makes the finest light.
+    pub work: &'a mut [u32],
 }
 
 /// Why a picture is refused.
@@ -89,14 +102,16 @@ pub struct Scratch<'a> {
 pub enum NetworkError {
     /// Width and height are 1 ..= [`MAX_SIDE`].
     Size { width: usize, height: usize },
-    /// [`Scratch::bytes`] is too short.
-    Bytes { needed: usize },
-    /// [`Scratch::words`] is too short.
-    Words { needed: usize },
-    /// [`Scratch::light`] is too short.
-    Light { needed: usize },
-    /// The irradiance is not one for each pixel.
-    Irradiance { needed: usize },
+    /// [`Scratch::fine`] is too short.
+    Fine { needed: usize },
+    /// [`Scratch::coarse`] is too short.
+    Coarse { needed: usize },
+    /// [`Scratch::work`] is too short.
+    Work { needed: usize },
+    /// The memory of a [`Neural`] is too short.
+    Memory { needed: usize },
+    /// The answer has not one place for each pixel.
+    Out { needed: usize },
 }
 
 impl core::fmt::Display for NetworkError {
@@ -105,10 +120,11 @@ impl core::fmt::Display for NetworkError {
             Self::Size { width, height } => {
                 write!(f, "{width} x {height} pixels: each side must be 1 to {MAX_SIDE}")
             }
-            Self::Bytes { needed } => write!(f, "scratch.bytes is short: {needed} bytes are needed"),
-            Self::Words { needed } => write!(f, "scratch.words is short: {needed} words are needed"),
-            Self::Light { needed } => write!(f, "scratch.light is short: {needed} pixels are needed"),
-            Self::Irradiance { needed } => write!(f, "irradiance must have {needed} pixels"),
+            Self::Fine { needed } => write!(f, "scratch.fine is short: {needed} pixels are needed"),
+            Self::Coarse { needed } => write!(f, "scratch.coarse is short: {needed} words are needed"),
+            Self::Work { needed } => write!(f, "scratch.work is short: {needed} words are needed"),
+            Self::Memory { needed } => write!(f, "memory is short: {needed} words are needed"),
+            Self::Out { needed } => write!(f, "out must have {needed} pixels"),
         }
     }
 }
@@ -137,18 +153,28 @@ impl Shape {
         self.width * self.height
     }
 
-    /// Three rows that a convolution looks at and one that it writes, whichever is the longest of all sizes.
+    /// The same at all sizes.
+    fn all(width: usize, height: usize) -> Result<[Shape; LEVELS], NetworkError> {
+        if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+            return Err(NetworkError::Size { width, height });
+        }
+        Ok(core::array::from_fn(|level| Shape::of(width, height, level)))
+    }
+
+    /// Bytes of four rows that a worker's convolution looks at and one that it writes, whichever is the most of all sizes.
     const fn ring(width: usize) -> usize {
-        let mut most = (3 * INPUTS + CHANNELS[0]) * width;
+        let mut most = (4 * INPUTS + CHANNELS[0]) * width;
         let mut level = 1;
         while level < LEVELS {
-            let bytes = 4 * CHANNELS[level] * Shape::of(width, 1, level).width;
-            if bytes > most {
-                most = bytes;
-            }
+            most = max(most, 5 * CHANNELS[level] * Shape::of(width, 1, level).width);
             level += 1;
         }
         most
+    }
+
+    /// Bytes of three rows of light.
+    const fn lights(width: usize) -> usize {
+        3 * size_of::<Light>() * width
     }
 }
 
@@ -161,27 +187,29 @@ pub struct Network<'a> {
 }
 
 impl<'a> Network<'a> {
-    /// The border: sizes and memory are checked here, and nothing fails afterwards but for a picture of another size.
+    /// The border: sizes and memory are checked here, and nothing fails afterwards but for an answer of another size.
     pub fn new(
         weights: Weights<'a>,
         width: usize,
         height: usize,
         scratch: Scratch<'a>,
     ) -> Result<Self, NetworkError> {
-        if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
-            return Err(NetworkError::Size { width, height });
-        }
-        let needs = Needs::of(width, height);
-        if scratch.bytes.len() < needs.bytes {
-            return Err(NetworkError::Bytes { needed: needs.bytes });
-        }
-        if scratch.words.len() < needs.words {
-            return Err(NetworkError::Words { needed: needs.words });
-        }
-        if scratch.light.len() < needs.light {
-            return Err(NetworkError::Light { needed: needs.light });
-        }
-        let shape = core::array::from_fn(|level| Shape::of(width, height, level));
+        let shape = Shape::all(width, height)?;
+        let Needs { fine, coarse, work } = Needs::of(width, height);
+        let scratch = Scratch {
+            fine: scratch
+                .fine
+                .get_mut(..fine)
+                .ok_or(NetworkError::Fine { needed: fine })?,
+            coarse: scratch
+                .coarse
+                .get_mut(..coarse)
+                .ok_or(NetworkError::Coarse { needed: coarse })?,
+            work: scratch
+                .work
+                .get_mut(..work)
+                .ok_or(NetworkError::Work { needed: work })?,
+        };
         Ok(Network {
             weights,
             shape,
@@ -189,15 +217,22 @@ impl<'a> Network<'a> {
         })
     }
 
-    /// Filters one picture: `input` answers what the network sees of pixel number i (row by row, each asked once), and
-    /// `sink` gets each finished row of irradiance, from the top.
+    /// Filters one picture by one worker: `input` answers what the network sees of pixel number i, and `light` its
+    /// irradiance; the answer is in `out`.
     pub fn run(
         &mut self,
-        irradiance: &[[u16; 3]],
-        input: impl FnMut(usize) -> Input,
-        sink: impl FnMut(usize, &[[u16; 3]]),
+        input: impl Fn(usize) -> Input + Sync,
+        light: impl Fn(usize) -> [u16; 3] + Sync,
+        out: &mut [[u16; 3]],
     ) -> Result<(), NetworkError> {
-        self.extract(input);
-        self.filter(irradiance, sink)
+        self.extract(&Alone, input);
+        self.filter(&Alone, light, out, |light| light)
     }
+}
+
+/// Both halves of a plane's rows at once; `work` is told the first row's number.
+fn halves<T: Send>(pair: &impl Pair, plane: &mut [T], width: usize, work: impl Fn(usize, &mut [T]) + Sync) {
+    let half = (plane.len() / width).div_ceil(2);
+    let (upper, lower) = plane.split_at_mut(half * width);
+    pair.both(|| work(0, upper), || work(half, lower));
 }

@@ -1,69 +1,110 @@
-use super::{Input, Network, NetworkError, Scratch, Weights, exposure, irradiance};
+use super::filter::Last;
+use super::{Input, Needs, Network, NetworkError, Scratch, Shape, Weights, exposure, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Pair, Size};
+use zerocopy::{FromBytes, IntoBytes};
 
 /// The network as a denoiser's filter.
+///
+/// It works in the filter's [`denoise::Scratch`] and in memory of its own. The finest activations stand beside the answer's
+/// place, and [`Scratch::work`] in that place until the answer comes, if it is large enough.
 #[derive(Debug)]
 pub struct Neural<'a> {
-    network: Network<'a>,
-    light: &'a mut [[u16; 3]],
+    weights: Weights<'a>,
+    size: Size,
     samples: u32,
+    memory: &'a mut [u32],
 }
 
 impl<'a> Neural<'a> {
-    /// For frames of `size` and of `samples` a pixel each; `light` has a pixel for each of the frame's.
+    /// Words of memory for frames of `size`, of up to [`super::MAX_SIDE`] pixels a side.
+    pub const fn needs(size: Size) -> usize {
+        let Needs { coarse, work, .. } = Needs::of(size.width as usize, size.height as usize);
+        if work <= size.pixels() {
+            coarse
+        } else {
+            coarse + work
+        }
+    }
+
+    /// For frames of `size` and of `samples` a pixel each; `memory` has as many words as it [`Self::needs`].
     pub fn new(
         weights: Weights<'a>,
         size: Size,
         samples: u32,
-        light: &'a mut [[u16; 3]],
-        scratch: Scratch<'a>,
+        memory: &'a mut [u32],
     ) -> Result<Neural<'a>, NetworkError> {
-        let network = Network::new(weights, size.width.into(), size.height.into(), scratch)?;
-        let needed = size.pixels();
-        let light = light
-            .get_mut(..needed)
-            .ok_or(NetworkError::Irradiance { needed })?;
+        Shape::all(size.width.into(), size.height.into())?;
+        let needed = Neural::needs(size);
+        let memory = memory.get_mut(..needed).ok_or(NetworkError::Memory { needed })?;
         Ok(Neural {
-            network,
-            light,
+            weights,
+            size,
             samples,
+            memory,
         })
+    }
+
+    /// [`Filter::filter`], or what it is refused for.
+    fn run(
+        &mut self,
+        pair: &impl Pair,
+        frame: &[Feature],
+        lengths: &[u8],
+        out: &mut [Rgb9e5],
+        rest: &mut [u8],
+    ) -> Result<(), NetworkError> {
+        let needed = self.size.pixels();
+        if frame.len() != needed || out.len() != needed {
+            return Err(NetworkError::Out { needed });
+        }
+        let (width, height) = (self.size.width.into(), self.size.height.into());
+        let (coarse, own) = self.memory.split_at_mut(Needs::of(width, height).coarse);
+        let work = if own.is_empty() {
+            // Words, too: the cast cannot fail.
+            <[u32]>::mut_from_bytes(out.as_mut_bytes()).unwrap_or(&mut [])
+        } else {
+            own
+        };
+        let (fine, _) = rest.as_chunks_mut();
+        let scratch = Scratch {
+            fine,
+            coarse: &mut *coarse,
+            work,
+        };
+        let mut network = Network::new(self.weights, width, height, scratch)?;
+
+        let (samples, exposure) = (self.samples, exposure(frame));
+        network.extract(pair, |at| match (frame.get(at), lengths.get(at)) {
+            (Some(pixel), Some(&length)) => {
+                Input::new(pixel, samples.saturating_mul(length.into()), exposure)
+            }
+            _ => Input::new(&Feature::default(), samples, exposure),
+        });
+        let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
+        network.filter_coarse(pair, &light);
+        let last = Last::new(Shape::all(width, height)?, fine, coarse);
+        last.filter(pair, light, out, |light| {
+            Rgb9e5::from_bits(light.map(u32::from), -12)
+        });
+        Ok(())
     }
 }
 
 impl Filter for Neural<'_> {
-    /// Frames of another size than this filter's stay black.
+    /// Frames of another size than this filter's become black.
     fn filter(
         &mut self,
-        _: &impl Pair,
+        pair: &impl Pair,
         _: Size,
         frame: &[Feature],
         lengths: &[u8],
         scratch: denoise::Scratch,
     ) {
-        for (light, pixel) in self.light.iter_mut().zip(frame) {
-            *light = irradiance(pixel);
-        }
-        let samples = self.samples;
-        let exposure = exposure(frame);
-        let input = |at: usize| match (frame.get(at), lengths.get(at)) {
-            (Some(pixel), Some(&length)) => {
-                Input::new(pixel, samples.saturating_mul(length.into()), exposure)
-            }
-            _ => Input::new(&Feature::default(), samples, exposure),
-        };
-        scratch.light.fill(Rgb9e5::BLACK);
-        let mut rest = scratch.light.iter_mut();
-        let keep = |_: usize, row: &[[u16; 3]]| {
-            for (light, out) in row.iter().zip(&mut rest) {
-                *out = Rgb9e5::from_bits(light.map(u32::from), -12);
-            }
-        };
-        if frame.len() == self.light.len() {
-            // As many pixels as it was made for: nothing to refuse.
-            let _ = self.network.run(self.light, input, keep);
+        let denoise::Scratch { light, rest } = scratch;
+        if self.run(pair, frame, lengths, light, rest).is_err() {
+            light.fill(Rgb9e5::BLACK);
         }
     }
 }
