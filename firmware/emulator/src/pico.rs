@@ -114,8 +114,8 @@ pub struct Shown {
     pub depths: Vec<Depth>,
 }
 
-/// Bytes of either core's stack: `memory.x` and `firmware/pico/src/app.rs`.
-const STACK: u64 = 16 * 1024;
+/// Bytes of each core's stack: `memory.x` and `firmware/pico/src/app.rs`.
+const STACKS: [u64; 2] = [16 * 1024, 10 * 1024];
 /// Bytes at the lower end that the guard may take: its own 256, core 1's placed where the protection unit can.
 const GUARDS: [u64; 2] = [256, 512];
 
@@ -201,8 +201,21 @@ pub fn run(run: &Run) -> Result<Shown> {
             "{rays} rays in the last pass; {cycles:.0} cycles of both cores for each, shading and display with them"
         );
     }
+    let depths = stacks(&program, run.goal.scene(), &report)?;
+    for Depth {
+        name,
+        measured,
+        bound,
+        room,
+    } in &depths
+    {
+        println!(
+            "{name}: a stack of {measured} bytes, {} at most, {room} there",
+            bound.bytes + bound.exception
+        );
+    }
     Ok(Shown {
-        depths: stacks(&program, run.goal.scene(), &report)?,
+        depths,
         rgb: shown,
         report,
         rays,
@@ -211,14 +224,26 @@ pub fn run(run: &Run) -> Result<Shown> {
 
 /// Both cores' stacks, measured and bounded; fails if they do not agree or do not fit.
 fn stacks(program: &Path, scene: &str, report: &Value) -> Result<Vec<Depth>> {
+    let mut depths = bounds(program, &format!("pico, {scene}"))?;
+    for (depth, measured) in depths
+        .iter_mut()
+        .zip([0, 1].map(|core| &report["stack_bytes"][core]))
+    {
+        depth.measured = measured.as_u64().context("no stack in the emulator's report")?;
+        depth.check()?;
+    }
+    Ok(depths)
+}
+
+/// What both cores' stacks can take in a Pico's or a Pico 2's program, where nothing was measured; fails if they do not fit.
+pub fn bounds(program: &Path, name: &str) -> Result<Vec<Depth>> {
     let mut depths = Vec::new();
     for (core, root) in [Root::Reset, Root::Core1].into_iter().enumerate() {
-        let measured = report["stack_bytes"][core].as_u64();
         let depth = Depth {
-            name: format!("pico, {scene}, core {core}"),
-            measured: measured.context("no stack in the emulator's report")?,
+            name: format!("{name}, core {core}"),
+            measured: 0,
             bound: stack::bound(program, root)?,
-            room: STACK - GUARDS[core],
+            room: STACKS[core] - GUARDS[core],
         };
         depth.check()?;
         depths.push(depth);

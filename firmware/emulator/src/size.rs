@@ -12,7 +12,7 @@ use xtask::board::Board;
 
 use crate::{
     machine::MICROBIT,
-    profile,
+    pico, profile,
     toolchain::{self, Build},
 };
 
@@ -53,12 +53,16 @@ pub struct Size {
     pub ram: u64,
 }
 
-/// Builds every board's program, which fails if one does not fit, and prints a table.
+/// Builds every board's program, which fails if one or the stacks of two cores do not fit, and prints a table.
 pub fn table() -> Result<()> {
     println!("board      flash bytes   ram bytes");
     for program in &PROGRAMS {
-        let size = of(&program.build()?)?;
-        println!("{:<9} {:>12} {:>11}", program.board.name(), size.flash, size.ram);
+        let (file, name) = (program.build()?, program.board.name());
+        let size = of(&file)?;
+        println!("{name:<9} {:>12} {:>11}", size.flash, size.ram);
+        if matches!(program.board, Board::Pico | Board::Pico2) {
+            pico::bounds(&file, name)?;
+        }
     }
     // No board's, but it shall build, too.
     profile::program(MICROBIT)?;
