@@ -25,10 +25,10 @@ pub struct Options {
     /// The Pico's display
     #[arg(long, default_value = "240x240", value_parser = ["240x240", "320x240"])]
     screen: String,
-    /// What the Pico draws; the flight is past the first scene, denoised
-    #[arg(long, default_value = "cornell", value_parser = ["cornell", "mesh", "flight"])]
+    /// What the Pico draws; flights are past the first scene, denoised by the à-trous filter or by the network
+    #[arg(long, default_value = "cornell", value_parser = ["cornell", "mesh", "flight", "flight-neural"])]
     scene: String,
-    /// Frames of the flight
+    /// Frames of a flight
     #[arg(long, default_value_t = 3)]
     frames: u32,
     /// Samples a pixel after which to stop, 1 to 16 by powers of two; 0 for the preview
@@ -125,7 +125,9 @@ pub fn check() -> Result<String> {
     emulate(&["size"])?;
     emulate(&["identity"])?;
     emulate(&["run", "--quiet"])?;
-    emulate(&["run", "--quiet", "--scene", "flight"])?;
+    for flight in ["flight", "flight-neural"] {
+        emulate(&["run", "--quiet", "--scene", flight, "--frames", "2"])?;
+    }
     emulate(&["faults"])?;
     Ok(
         "nine machines agree, the Pico's display shows this computer's pictures, every fault is caught"

@@ -11,6 +11,7 @@ use embedded_graphics_core::{
 use microlux::{
     camera::Camera,
     color::{Radiance, Rgb9e5},
+    film::denoise::network::{NetworkError, Neural, TRAINED},
     film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Size, TooShort},
     film::{Feature, Tile},
     geom::Octahedral,
@@ -20,13 +21,16 @@ use microlux::{
 };
 
 use crate::{
-    denoise::moved,
+    denoise::{Way, moved},
     stage::Stage,
     tile::{DISPLAY, widened},
 };
 
-/// The name that the firmware prints and that the emulator is given.
-pub const NAME: &str = "flight";
+/// The flights in the order in which the firmware shows them, each by its filter.
+pub const WAYS: [Way; 2] = [Way::Atrous, Way::Neural];
+
+/// Their names, which the firmware prints and the emulator is given.
+pub const NAMES: [&str; WAYS.len()] = ["flight", "flight-neural"];
 
 /// Of a frame as it is rendered.
 pub const SIZE: Size = Size {
@@ -52,11 +56,13 @@ const EMPTY: Feature = Feature {
     id: 0,
 };
 
-/// Memory that a flight takes, in a variable of the program's.
+/// Memory that flights take, in a variable of the program's.
 pub struct Room {
     frames: [[Feature; PIXELS]; 2],
     lengths: [[u8; PIXELS]; 2],
     rows: [Rgb9e5; ROWS * SIZE.width as usize],
+    /// The network's own.
+    network: [u32; Neural::needs(SIZE)],
 }
 
 impl Room {
@@ -64,13 +70,22 @@ impl Room {
         frames: [[EMPTY; PIXELS]; 2],
         lengths: [[0; PIXELS]; 2],
         rows: [Rgb9e5::BLACK; ROWS * SIZE.width as usize],
+        network: [0; Neural::needs(SIZE)],
     };
+}
+
+/// A room that does not suffice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Refused {
+    Denoiser(TooShort),
+    Network(NetworkError),
 }
 
 /// Frame after frame; remembers what it saw.
 pub struct Flight<'m> {
     denoiser: Denoiser<'m>,
-    filter: Atrous,
+    atrous: Atrous,
+    neural: Neural<'m>,
     before: Option<Camera>,
 }
 
@@ -88,7 +103,7 @@ impl<I: Iterator> Turns<I> {
 }
 
 impl<'m> Flight<'m> {
-    pub fn new(room: &'m mut Room) -> Result<Flight<'m>, TooShort> {
+    pub fn new(room: &'m mut Room) -> Result<Flight<'m>, Refused> {
         let [now, before] = &mut room.frames;
         let [lengths, lengths_before] = &mut room.lengths;
         let memory = Memory {
@@ -97,20 +112,26 @@ impl<'m> Flight<'m> {
             rows: &mut room.rows,
         };
         Ok(Flight {
-            denoiser: Denoiser::new(SIZE, SPP, memory)?,
-            filter: Atrous::for_spp(SPP),
+            denoiser: Denoiser::new(SIZE, SPP, memory).map_err(Refused::Denoiser)?,
+            atrous: Atrous::for_spp(SPP),
+            neural: Neural::new(TRAINED, SIZE, SPP, &mut room.network).map_err(Refused::Network)?,
             before: None,
         })
     }
 
-    /// Renders, cleans and shows frame `number`: `show` gets each row of RGB565, whichever worker has it.
+    /// Renders, cleans and shows frame `number`, the first of which has no history: `show` gets each row of RGB565,
+    /// whichever worker has it.
     pub fn frame(
         &mut self,
         pair: &impl Pair,
         stage: &Stage,
+        way: Way,
         number: u32,
         show: &(impl Fn(usize, &[u16; WIDTH]) + Sync),
     ) {
+        if number == 0 {
+            self.denoiser.forget();
+        }
         let place = number % FRAMES;
         let camera = widened(stage.camera, SIZE.width.into(), SIZE.height.into());
         let camera = moved(camera, place.min(FRAMES - place));
@@ -138,7 +159,10 @@ impl<'m> Flight<'m> {
 
         let before = self.before.replace(camera).unwrap_or(camera);
         let motion = Motion::between(before, camera, SIZE.width, SIZE.height);
-        let clean = self.denoiser.denoise_by(pair, Some(&motion), &mut self.filter);
+        let clean = match way {
+            Way::Atrous => self.denoiser.denoise_by(pair, Some(&motion), &mut self.atrous),
+            Way::Neural => self.denoiser.denoise_by(pair, Some(&motion), &mut self.neural),
+        };
 
         let rows = Turns::new(0..HEIGHT as u16);
         let raise = || {

@@ -91,7 +91,7 @@ enum Command {
     Faults,
 }
 
-const SCENES: [&str; 3] = [NAMES[0], NAMES[1], flight::NAME];
+const SCENES: [&str; 4] = [NAMES[0], NAMES[1], flight::NAMES[0], flight::NAMES[1]];
 
 #[derive(Args)]
 struct Run {
@@ -107,10 +107,10 @@ struct Run {
     /// The Pico's display
     #[arg(long, default_value = "240x240")]
     screen: Screen,
-    /// What the Pico draws before its run ends: cornell, mesh, or the flight past the first, denoised
+    /// What the Pico draws before its run ends: cornell, mesh, or a flight past the first, denoised by either filter
     #[arg(long, default_value = NAMES[0], value_parser = PossibleValuesParser::new(SCENES))]
     scene: String,
-    /// Frames of the flight
+    /// Frames of a flight
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(flight::FRAMES)))]
     frames: u32,
     /// Samples a pixel in the pass after which the run ends, 1 to 16 by powers of two; 0 for the preview
@@ -154,8 +154,9 @@ fn run(options: &Run) -> Result<()> {
 }
 
 fn goal(options: &Run) -> Result<pico::Goal> {
-    if options.scene == flight::NAME {
+    if let Some(flight) = flight::NAMES.iter().position(|name| *name == options.scene) {
         return Ok(pico::Goal::Flight {
+            flight,
             frames: options.frames,
         });
     }

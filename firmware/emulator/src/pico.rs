@@ -12,6 +12,7 @@ use anyhow::{Context, Result, bail, ensure};
 use clap::ValueEnum;
 use firmware_bake::{Aligned, Baked};
 use firmware_common::{
+    denoise::Way,
     flight::{self, Flight, Room},
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
@@ -61,8 +62,8 @@ impl Screen {
 pub enum Goal {
     /// A scene by its place in [`NAMES`], and the pass of [`tile::PASSES`] to wait for.
     Still { scene: usize, pass: Pass },
-    /// So many frames of the flight.
-    Flight { frames: u32 },
+    /// So many frames of a flight, by its place in [`flight::WAYS`].
+    Flight { flight: usize, frames: u32 },
 }
 
 impl Goal {
@@ -70,7 +71,7 @@ impl Goal {
     pub const fn scene(self) -> &'static str {
         match self {
             Self::Still { scene, .. } => NAMES[scene],
-            Self::Flight { .. } => flight::NAME,
+            Self::Flight { flight, .. } => flight::NAMES[flight],
         }
     }
 
@@ -82,7 +83,9 @@ impl Goal {
                 pass: Pass { block, spp },
                 ..
             } => format!("frame scene={scene} block={block} spp={spp} "),
-            Self::Flight { frames } => format!("frame scene={scene} number={} ", frames.saturating_sub(1)),
+            Self::Flight { frames, .. } => {
+                format!("frame scene={scene} number={} ", frames.saturating_sub(1))
+            }
         }
     }
 }
@@ -171,9 +174,9 @@ pub fn run(run: &Run) -> Result<Shown> {
             println!("the display shows what this computer renders, bit for bit");
             rays
         }
-        Goal::Flight { frames } => {
+        Goal::Flight { flight, frames } => {
             let seen = fs::read(&each).with_context(|| each.display().to_string())?;
-            let expected = flown(run.screen.frame(), frames)?;
+            let expected = flown(run.screen.frame(), flight::WAYS[flight], frames)?;
             ensure!(
                 seen.len() == expected.len() * shown.len(),
                 "the display was seen after {} frames, {frames} expected",
@@ -402,8 +405,8 @@ fn colours(frame: Frame, scene: usize, pass: Pass, baked: Option<&Baked>) -> Res
     Ok(painted(frame, pass, &stage))
 }
 
-/// The first frames of the flight as the panel shows them, by one worker.
-fn flown(frame: Frame, frames: u32) -> Result<Vec<Vec<u8>>> {
+/// The first frames of a flight as the panel shows them, by one worker.
+fn flown(frame: Frame, way: Way, frames: u32) -> Result<Vec<Vec<u8>>> {
     let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
     let mut cornell = Cornell::new().map_err(refused)?;
     let (scene, camera) = cornell.scene().map_err(refused)?;
@@ -412,12 +415,13 @@ fn flown(frame: Frame, frames: u32) -> Result<Vec<Vec<u8>>> {
         camera,
     };
     let mut room = Box::new(Room::EMPTY);
-    let mut flight = Flight::new(&mut room)?;
+    let mut flight =
+        Flight::new(&mut room).map_err(|error| anyhow::anyhow!("the room is refused: {error:?}"))?;
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let (left, top) = ((width - flight::WIDTH) / 2, (height - flight::HEIGHT) / 2);
     let one = |number| {
         let colours = Mutex::new(vec![0; 3 * width * height]);
-        flight.frame(&Alone, &stage, number, &|y, row| {
+        flight.frame(&Alone, &stage, way, number, &|y, row| {
             let place = 3 * ((top + y) * width + left);
             let mut colours = colours.lock().expect("nobody panics");
             for (pixel, colour) in colours[place..].chunks_exact_mut(3).zip(row) {

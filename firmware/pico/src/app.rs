@@ -1,5 +1,5 @@
 //! What the firmware does, on either chip: both cores draw each scene in ever better passes, and then the next scene,
-//! and at last a flight past the first one.
+//! and at last flights past the first one.
 
 use cortex_m::singleton;
 use firmware_common::{
@@ -72,7 +72,7 @@ pub fn run() -> ! {
                         work::draw(&stages[scene], step, pass, || provoke::on_core(1));
                         work::wait(step);
                     }
-                    Part::Frame(_) => work::help(step),
+                    Part::Frame { .. } => work::help(step),
                 }
             }
         })
@@ -89,8 +89,8 @@ pub fn run() -> ! {
                 });
                 work::finish();
             }
-            Part::Frame(number) => {
-                work::fly(&mut flight, &stages[0], number);
+            Part::Frame { flight: way, number } => {
+                work::fly(&mut flight, &stages[0], flight::WAYS[way], number);
                 watchdog.feed();
             }
         }
@@ -117,7 +117,7 @@ fn stages() -> Option<Stages> {
     Some([cornell, mesh])
 }
 
-/// The flight past the first scene, its memory in a variable of its own.
+/// The flights past the first scene, their memory in a variable of its own.
 fn flight() -> Option<Flight<'static>> {
     Flight::new(singleton!(: Room = Room::EMPTY)?).ok()
 }
@@ -131,7 +131,11 @@ fn report(console: &Console, step: Step, microseconds: u64) {
             NAMES[scene],
             &[(" block=", pass.block), (" spp=", pass.spp), (" us=", us)],
         ),
-        Part::Frame(number) => line(console, flight::NAME, &[(" number=", number), (" us=", us)]),
+        Part::Frame { flight, number } => line(
+            console,
+            flight::NAMES[flight],
+            &[(" number=", number), (" us=", us)],
+        ),
     }
 }
 

@@ -11,6 +11,7 @@ use embedded_graphics_core::{
     primitives::Rectangle,
 };
 use firmware_common::{
+    denoise::Way,
     flight::{self, Flight},
     stage::{NAMES, Stage},
     tile::{self, PASSES, Painter, Pass},
@@ -19,7 +20,7 @@ use microlux::film::denoise::Pair;
 
 use crate::{app::FRAME, board::Screen};
 
-/// A pass over a scene, or a frame of the flight; they are counted from 0 and follow each other for ever.
+/// A pass over a scene, or a frame of a flight; they are counted from 0 and follow each other for ever.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct Step(u32);
 
@@ -28,8 +29,8 @@ pub struct Step(u32);
 pub enum Part {
     /// A scene by its place in [`NAMES`].
     Still { scene: usize, pass: Pass },
-    /// A frame of the flight by its number.
-    Frame(u32),
+    /// A frame by the place of its flight in [`flight::WAYS`], and its number.
+    Frame { flight: usize, number: u32 },
 }
 
 /// Passes over all scenes.
@@ -37,14 +38,18 @@ const STILLS: u32 = (NAMES.len() * PASSES.len()) as u32;
 
 impl Step {
     pub const fn part(self) -> Part {
-        let place = self.0 % (STILLS + flight::FRAMES);
+        let place = self.0 % (STILLS + flight::WAYS.len() as u32 * flight::FRAMES);
         if place < STILLS {
             Part::Still {
                 scene: place as usize / PASSES.len(),
                 pass: PASSES[place as usize % PASSES.len()],
             }
         } else {
-            Part::Frame(place - STILLS)
+            let place = place - STILLS;
+            Part::Frame {
+                flight: (place / flight::FRAMES) as usize,
+                number: place % flight::FRAMES,
+            }
         }
     }
 }
@@ -82,18 +87,26 @@ pub fn steps() -> impl Iterator<Item = Step> {
     (FIRST..).map(Step)
 }
 
-/// The first step: `MICROLUX_FIRST` at build time names a scene that is not to wait for those before it.
+/// The first step: `MICROLUX_FIRST` at build time names a scene or a flight that is not to wait for those before it.
 const FIRST: u32 = match option_env!("MICROLUX_FIRST") {
-    Some(name) if is_same(flight::NAME.as_bytes(), name.as_bytes()) => STILLS,
-    Some(name) => {
-        let mut scene = 0;
-        while scene < NAMES.len() && !is_same(NAMES[scene].as_bytes(), name.as_bytes()) {
-            scene += 1;
-        }
-        (scene % NAMES.len() * PASSES.len()) as u32
-    }
+    Some(name) => match (find(&NAMES, name), find(&flight::NAMES, name)) {
+        (Some(scene), _) => (scene * PASSES.len()) as u32,
+        (_, Some(flight)) => STILLS + flight as u32 * flight::FRAMES,
+        _ => 0,
+    },
     None => 0,
 };
+
+const fn find(names: &[&str], name: &str) -> Option<usize> {
+    let mut i = 0;
+    while i < names.len() {
+        if is_same(names[i].as_bytes(), name.as_bytes()) {
+            return Some(i);
+        }
+        i += 1;
+    }
+    None
+}
 
 const fn is_same(a: &[u8], b: &[u8]) -> bool {
     let mut i = 0;
@@ -142,9 +155,9 @@ fn show(index: u32, pixels: &[u16; tile::PIXELS]) {
     });
 }
 
-/// Core 0: draws frame `number` of the flight in the middle of the screen, with core 1's help, and waits until it has left
+/// Core 0: draws frame `number` of a flight in the middle of the screen, with core 1's help, and waits until it has left
 /// for the display.
-pub fn fly(flight: &mut Flight, stage: &Stage<'static>, number: u32) {
+pub fn fly(flight: &mut Flight, stage: &Stage<'static>, way: Way, number: u32) {
     const LEFT: i32 = (FRAME.width() as i32 - flight::WIDTH as i32) / 2;
     const TOP: i32 = (FRAME.height() as i32 - flight::HEIGHT as i32) / 2;
     let whole = Rectangle::new(Point::zero(), Size::new(FRAME.width(), FRAME.height()));
@@ -155,7 +168,7 @@ pub fn fly(flight: &mut Flight, stage: &Stage<'static>, number: u32) {
             }
         });
     }
-    flight.frame(&Cores, stage, number, &|y, row| {
+    flight.frame(&Cores, stage, way, number, &|y, row| {
         let area = Rectangle::new(
             Point::new(LEFT, TOP + y as i32),
             Size::new(flight::WIDTH as u32, 1),
