@@ -12,7 +12,7 @@ use microlux::{
     camera::Camera,
     color::{Radiance, Rgb9e5},
     film::denoise::network::{NetworkError, Neural, TRAINED},
-    film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Size, TooShort},
+    film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Seen, Size, TooShort},
     film::{Feature, Tile},
     geom::Octahedral,
     integrator::Path,
@@ -40,6 +40,8 @@ pub const SIZE: Size = Size {
 /// Of a frame as it is shown, pixels.
 pub const WIDTH: usize = 2 * SIZE.width as usize;
 pub const HEIGHT: usize = 2 * SIZE.height as usize;
+/// Rows that a worker shows at a time; it makes one more above and below.
+const BAND: usize = 30;
 
 /// Samples a pixel.
 pub const SPP: u32 = 1;
@@ -63,6 +65,8 @@ pub struct Room {
     rows: [Rgb9e5; ROWS * SIZE.width as usize],
     /// The network's own.
     network: [u32; Neural::needs(SIZE)],
+    /// Three rows as they are shown, for each worker.
+    rings: [[Seen; 3 * WIDTH]; 2],
 }
 
 impl Room {
@@ -71,6 +75,7 @@ impl Room {
         lengths: [[0; PIXELS]; 2],
         rows: [Rgb9e5::BLACK; ROWS * SIZE.width as usize],
         network: [0; Neural::needs(SIZE)],
+        rings: [[Seen::NOTHING; 3 * WIDTH]; 2],
     };
 }
 
@@ -86,6 +91,7 @@ pub struct Flight<'m> {
     denoiser: Denoiser<'m>,
     atrous: Atrous,
     neural: Neural<'m>,
+    rings: [&'m mut [Seen]; 2],
     before: Option<Camera>,
 }
 
@@ -115,6 +121,7 @@ impl<'m> Flight<'m> {
             denoiser: Denoiser::new(SIZE, SPP, memory).map_err(Refused::Denoiser)?,
             atrous: Atrous::for_spp(SPP),
             neural: Neural::new(TRAINED, SIZE, SPP, &mut room.network).map_err(Refused::Network)?,
+            rings: room.rings.each_mut().map(|ring| ring.as_mut_slice()),
             before: None,
         })
     }
@@ -164,25 +171,29 @@ impl<'m> Flight<'m> {
             Way::Neural => self.denoiser.denoise_by(pair, Some(&motion), &mut self.neural),
         };
 
-        let rows = Turns::new(0..HEIGHT as u16);
-        let raise = || {
+        let bands = Turns::new((0..HEIGHT as u16).step_by(BAND));
+        let raise = |ring: &mut [Seen]| {
             let renderer = renderer(settings(2, 1), 0);
+            let guide = |x, y| renderer.guide(x, y);
             let mut light = [Radiance::BLACK; WIDTH];
             let mut colours = [0; WIDTH];
-            while let Some(y) = rows.next() {
-                for (x, light) in (0..).zip(&mut light) {
-                    *light = clean.pixel_2x(x, y, &renderer.guide(x, y));
-                }
-                let tile = Tile {
-                    area: Rectangle::new(Point::new(0, y.into()), Extent::new(WIDTH as u32, 1)),
-                    pixels: &light,
-                };
-                for (place, colour) in colours.iter_mut().zip(tile.colors::<Rgb565>(&DISPLAY)) {
-                    *place = colour.into_storage();
-                }
-                show(y.into(), &colours);
+            while let Some(first) = bands.next() {
+                clean.rows_2x(first..first + BAND as u16, ring, guide, |y, row| {
+                    for (place, shown) in light.iter_mut().zip(row.lights()) {
+                        *place = shown;
+                    }
+                    let tile = Tile {
+                        area: Rectangle::new(Point::new(0, y.into()), Extent::new(WIDTH as u32, 1)),
+                        pixels: &light,
+                    };
+                    for (place, colour) in colours.iter_mut().zip(tile.colors::<Rgb565>(&DISPLAY)) {
+                        *place = colour.into_storage();
+                    }
+                    show(y.into(), &colours);
+                });
             }
         };
-        pair.both(raise, raise);
+        let [ring, other] = &mut self.rings;
+        pair.both(|| raise(ring), || raise(other));
     }
 }

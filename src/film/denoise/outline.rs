@@ -43,6 +43,13 @@ pub(super) fn worth(spp: u32, frames: u32) -> u32 {
 }
 
 impl Seen {
+    pub const NOTHING: Seen = Seen {
+        light: Rgb9e5::BLACK,
+        id: 0,
+        depth: 0,
+        samples: 0,
+    };
+
     pub(super) fn new(light: Radiance, pixel: &Feature, samples: u32) -> Seen {
         Seen {
             light: Rgb9e5::encode(light),
