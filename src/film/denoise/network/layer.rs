@@ -147,9 +147,15 @@ impl<'a> Weights<'a> {
         let from: usize = before.clone().map(|l| l.taps * l.inputs * l.outputs).sum();
         let biases: usize = before.map(|l| l.outputs).sum();
         let (front, rest) = words.split_at_mut(taps * inputs * outputs / 2);
-        let (pairs, _) = self.weights[from..][..taps * inputs * outputs].as_chunks::<2>();
-        for (word, [low, high]) in front.iter_mut().zip(pairs) {
-            *word = (i32::from(*low) as u32).wrapping_add((i32::from(*high) as u32) << 16);
+        let (weights, _) = self.weights[from..][..taps * inputs * outputs].as_chunks::<2>();
+        let by = pairs(outputs);
+        for (pass, words) in front.chunks_exact_mut(taps * inputs * by).enumerate() {
+            let words = words.chunks_exact_mut(by);
+            for (words, pairs) in words.zip(weights.chunks_exact(outputs / 2)) {
+                for (word, [low, high]) in words.iter_mut().zip(&pairs[pass * by..]) {
+                    *word = (i32::from(*low) as u32).wrapping_add((i32::from(*high) as u32) << 16);
+                }
+            }
         }
         let packed = Packed {
             words: front,
@@ -160,9 +166,15 @@ impl<'a> Weights<'a> {
     }
 }
 
+/// Words of sums that one pass over a pixel's inputs makes: no more than a small core has registers for.
+const fn pairs(outputs: usize) -> usize {
+    if outputs == 12 { 3 } else { 4 }
+}
+
 /// A layer ready to run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Packed<'a> {
+    /// Pass by pass; in a pass as the weights lie in their table.
     words: &'a [u32],
     biases: &'a [i16],
     inputs: usize,
@@ -171,55 +183,67 @@ pub(super) struct Packed<'a> {
 impl Packed<'_> {
     /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
     pub fn convolve(&self, rows: [&[u8]; 3], out: &mut [u8]) {
-        match self.biases.len() {
-            8 => self.convolve_by::<4>(rows, out),
-            12 => self.convolve_by::<6>(rows, out),
-            _ => self.convolve_by::<8>(rows, out),
+        match pairs(self.biases.len()) {
+            3 => self.convolve_by::<3>(rows, out),
+            _ => self.convolve_by::<4>(rows, out),
         }
     }
 
     fn convolve_by<const PAIRS: usize>(&self, rows: [&[u8]; 3], out: &mut [u8]) {
-        let (words, _) = self.words.as_chunks::<PAIRS>();
         let inputs = self.inputs;
         let width = rows[0].len() / inputs;
-        for (x, out) in out.chunks_exact_mut(2 * PAIRS).take(width).enumerate() {
-            let mut sums = [0; PAIRS];
-            for (row, words) in rows.into_iter().zip(words.chunks_exact(3 * inputs)) {
-                if x > 0 && x + 1 < width {
-                    add::<PAIRS>(&mut sums, &row[(x - 1) * inputs..][..3 * inputs], words);
-                } else {
-                    let places = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-                    for (place, words) in places.into_iter().zip(words.chunks_exact(inputs)) {
-                        add::<PAIRS>(&mut sums, &row[place * inputs..][..inputs], words);
+        for (x, out) in out.chunks_exact_mut(self.biases.len()).take(width).enumerate() {
+            self.pass::<PAIRS>(9, out, |sums, words| {
+                for (row, words) in rows.into_iter().zip(words.chunks_exact(3 * inputs)) {
+                    if x > 0 && x + 1 < width {
+                        add(sums, &row[(x - 1) * inputs..][..3 * inputs], words);
+                    } else {
+                        let places = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                        for (place, words) in places.into_iter().zip(words.chunks_exact(inputs)) {
+                            add(sums, &row[place * inputs..][..inputs], words);
+                        }
                     }
                 }
-            }
-            self.activate(&sums, out);
+            });
         }
     }
 
     /// 1 × 1 over each pixel of a row, and the pixel of the coarser size above it; activations out.
     pub fn merge(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
-        match self.biases.len() {
-            8 => self.merge_by::<4>(coarse, coarse_inputs, fine, out),
-            12 => self.merge_by::<6>(coarse, coarse_inputs, fine, out),
-            _ => self.merge_by::<8>(coarse, coarse_inputs, fine, out),
+        match pairs(self.biases.len()) {
+            3 => self.merge_by::<3>(coarse, coarse_inputs, fine, out),
+            _ => self.merge_by::<4>(coarse, coarse_inputs, fine, out),
         }
     }
 
     fn merge_by<const PAIRS: usize>(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
-        let (words, _) = self.words.as_chunks::<PAIRS>();
-        let (first, second) = words.split_at(coarse_inputs);
         let pixels = fine.chunks_exact(self.inputs - coarse_inputs);
-        for (x, (pixel, out)) in pixels.zip(out.chunks_exact_mut(2 * PAIRS)).enumerate() {
+        let outs = out.chunks_exact_mut(self.biases.len());
+        for (x, (pixel, out)) in pixels.zip(outs).enumerate() {
+            self.pass::<PAIRS>(1, out, |sums, words| {
+                let (first, second) = words.split_at(coarse_inputs);
+                add(sums, &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs], first);
+                add(sums, pixel, second);
+            });
+        }
+    }
+
+    /// A pixel's activations, pass by pass, by the sums that `add` makes.
+    #[inline(always)]
+    fn pass<const PAIRS: usize>(
+        &self,
+        taps: usize,
+        out: &mut [u8],
+        mut add: impl FnMut(&mut [u32; PAIRS], &[[u32; PAIRS]]),
+    ) {
+        let (words, _) = self.words.as_chunks::<PAIRS>();
+        let outs = out.chunks_exact_mut(2 * PAIRS);
+        let biases = self.biases.chunks_exact(2 * PAIRS);
+        let passes = words.chunks_exact(taps * self.inputs);
+        for ((out, biases), words) in outs.zip(biases).zip(passes) {
             let mut sums = [0; PAIRS];
-            add::<PAIRS>(
-                &mut sums,
-                &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs],
-                first,
-            );
-            add::<PAIRS>(&mut sums, pixel, second);
-            self.activate(&sums, out);
+            add(&mut sums, words);
+            activate(&sums, biases, out);
         }
     }
 
@@ -229,7 +253,7 @@ impl Packed<'_> {
         let mut sums = [0; HEAD / 2];
         add(&mut sums, pixel, words);
         let mut head = [0; HEAD];
-        for (i, (out, sum)) in head.iter_mut().zip(self.sums(&sums)).enumerate() {
+        for (i, (out, sum)) in head.iter_mut().zip(both(&sums, self.biases)).enumerate() {
             *out = if i < 6 {
                 ((sum + 64) >> 7).clamp(-128, 127) as i8 as u8
             } else {
@@ -238,32 +262,49 @@ impl Packed<'_> {
         }
         head
     }
+}
 
-    #[inline(always)]
-    fn activate<const PAIRS: usize>(&self, sums: &[u32; PAIRS], out: &mut [u8]) {
-        for (out, sum) in out.iter_mut().zip(self.sums(sums)) {
-            *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
-        }
+#[inline(always)]
+fn activate<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16], out: &mut [u8]) {
+    for (out, sum) in out.iter_mut().zip(both(sums, biases)) {
+        *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
     }
+}
 
-    /// Both sums of each word, with their biases.
-    #[inline(always)]
-    fn sums<const PAIRS: usize>(&self, sums: &[u32; PAIRS]) -> impl Iterator<Item = i32> {
-        let both = sums.iter().flat_map(|&word| {
-            let low = i32::from(word as i16);
-            [low, (word as i32).wrapping_sub(low) >> 16]
-        });
-        both.zip(self.biases).map(|(sum, &bias)| sum + i32::from(bias))
-    }
+/// Both sums of each word, with their biases.
+#[inline(always)]
+fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterator<Item = i32> {
+    let both = sums.iter().flat_map(|&word| {
+        let low = i32::from(word as i16);
+        [low, (word as i32).wrapping_sub(low) >> 16]
+    });
+    both.zip(biases).map(|(sum, &bias)| sum + i32::from(bias))
 }
 
 /// Products of activations with two weights a word, added up modulo 2^32.
 #[inline(always)]
-fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], inputs: &[u8], words: &[[u32; PAIRS]]) {
-    for (&input, words) in inputs.iter().zip(words) {
-        let input = u32::from(input);
+fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], inputs: &[u8], mut words: &[[u32; PAIRS]]) {
+    let (fours, others) = inputs.as_chunks::<4>();
+    for four in fours {
+        let Some((front, rest)) = words.split_first_chunk::<4>() else {
+            return;
+        };
+        words = rest;
+        for (&input, words) in four.iter().zip(front) {
+            add_one(sums, input, words);
+        }
+    }
+    for (&input, words) in others.iter().zip(words) {
+        add_one(sums, input, words);
+    }
+}
+
+/// A third to two thirds of activations are 0.
+#[inline(always)]
+fn add_one<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
+    if input != 0 {
         for (sum, &word) in sums.iter_mut().zip(words) {
-            *sum = sum.wrapping_add(word.wrapping_mul(input));
+            *sum = sum.wrapping_add(word.wrapping_mul(input.into()));
         }
     }
 }
