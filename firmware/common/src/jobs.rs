@@ -21,7 +21,7 @@ use crate::{
         Kind::{self, Primary},
         Motif,
     },
-    raystones, region,
+    raystones, region, sums,
 };
 
 /// A piece of work with one fingerprint, the same on every target.
@@ -104,10 +104,11 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 3] = [
+const OWN: [Job; 4] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),
+    Job::machine("sums", sums::run),
 ];
 
 /// Both seeds of each row.

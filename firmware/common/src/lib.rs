@@ -22,5 +22,6 @@ pub mod rays;
 pub mod raystones;
 pub mod region;
 pub mod stage;
+mod sums;
 pub mod text;
 pub mod tile;

@@ -160,6 +160,7 @@ impl<'a> Weights<'a> {
         let packed = Packed {
             words: front,
             biases: &self.biases[biases..][..outputs],
+            taps,
             inputs,
         };
         (packed, rest)
@@ -177,6 +178,7 @@ pub(super) struct Packed<'a> {
     /// Pass by pass; in a pass as the weights lie in their table.
     words: &'a [u32],
     biases: &'a [i16],
+    taps: usize,
     inputs: usize,
 }
 
@@ -193,18 +195,16 @@ impl Packed<'_> {
         let inputs = self.inputs;
         let width = rows[0].len() / inputs;
         for (x, out) in out.chunks_exact_mut(self.biases.len()).take(width).enumerate() {
-            self.pass::<PAIRS>(9, out, |sums, words| {
-                for (row, words) in rows.into_iter().zip(words.chunks_exact(3 * inputs)) {
-                    if x > 0 && x + 1 < width {
-                        add(sums, &row[(x - 1) * inputs..][..3 * inputs], words);
-                    } else {
-                        let places = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-                        for (place, words) in places.into_iter().zip(words.chunks_exact(inputs)) {
-                            add(sums, &row[place * inputs..][..inputs], words);
-                        }
-                    }
-                }
-            });
+            if x > 0 && x + 1 < width {
+                let runs = rows.map(|row| &row[(x - 1) * inputs..][..3 * inputs]);
+                self.pixel::<PAIRS, 3>(runs, out);
+            } else {
+                let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+                let [above, at, below] =
+                    rows.map(|row| columns.map(|column| &row[column * inputs..][..inputs]));
+                let [[a, b, c], [d, e, f], [g, h, i]] = [above, at, below];
+                self.pixel::<PAIRS, 9>([a, b, c, d, e, f, g, h, i], out);
+            }
         }
     }
 
@@ -220,38 +220,27 @@ impl Packed<'_> {
         let pixels = fine.chunks_exact(self.inputs - coarse_inputs);
         let outs = out.chunks_exact_mut(self.biases.len());
         for (x, (pixel, out)) in pixels.zip(outs).enumerate() {
-            self.pass::<PAIRS>(1, out, |sums, words| {
-                let (first, second) = words.split_at(coarse_inputs);
-                add(sums, &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs], first);
-                add(sums, pixel, second);
-            });
+            let above = &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs];
+            self.pixel::<PAIRS, 2>([above, pixel], out);
         }
     }
 
-    /// A pixel's activations, pass by pass, by the sums that `add` makes.
+    /// A pixel's activations, pass by pass.
     #[inline(always)]
-    fn pass<const PAIRS: usize>(
-        &self,
-        taps: usize,
-        out: &mut [u8],
-        mut add: impl FnMut(&mut [u32; PAIRS], &[[u32; PAIRS]]),
-    ) {
+    fn pixel<const PAIRS: usize, const RUNS: usize>(&self, runs: [&[u8]; RUNS], out: &mut [u8]) {
         let (words, _) = self.words.as_chunks::<PAIRS>();
         let outs = out.chunks_exact_mut(2 * PAIRS);
         let biases = self.biases.chunks_exact(2 * PAIRS);
-        let passes = words.chunks_exact(taps * self.inputs);
+        let passes = words.chunks_exact(self.taps * self.inputs);
         for ((out, biases), words) in outs.zip(biases).zip(passes) {
-            let mut sums = [0; PAIRS];
-            add(&mut sums, words);
-            activate(&sums, biases, out);
+            activate(&sums(runs, words), biases, out);
         }
     }
 
     /// The head of a pixel: features in eighths, confidence and blend in 256ths about ½.
     pub fn head(&self, pixel: &[u8]) -> [u8; HEAD] {
         let (words, _) = self.words.as_chunks::<{ HEAD / 2 }>();
-        let mut sums = [0; HEAD / 2];
-        add(&mut sums, pixel, words);
+        let sums = sums([pixel], words);
         let mut head = [0; HEAD];
         for (i, (out, sum)) in head.iter_mut().zip(both(&sums, self.biases)).enumerate() {
             *out = if i < 6 {
@@ -281,27 +270,43 @@ fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterato
     both.zip(biases).map(|(sum, &bias)| sum + i32::from(bias))
 }
 
-/// Products of activations with two weights a word, added up modulo 2^32.
+#[cfg(all(feature = "armv6m", narrow_mul))]
+use microlux_armv6m::sums;
+
+/// Products of activations, run by run, with two weights a word, added up modulo 2^32.
+#[cfg(not(all(feature = "armv6m", narrow_mul)))]
 #[inline(always)]
-fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], inputs: &[u8], mut words: &[[u32; PAIRS]]) {
-    let (fours, others) = inputs.as_chunks::<4>();
-    for four in fours {
-        let Some((front, rest)) = words.split_first_chunk::<4>() else {
-            return;
-        };
-        words = rest;
-        for (&input, words) in four.iter().zip(front) {
-            add_one(sums, input, words);
+fn sums<const PAIRS: usize, const RUNS: usize>(
+    runs: [&[u8]; RUNS],
+    mut words: &[[u32; PAIRS]],
+) -> [u32; PAIRS] {
+    let mut sums = [0; PAIRS];
+    for run in runs {
+        let (fours, others) = run.as_chunks::<4>();
+        for four in fours {
+            let Some((front, rest)) = words.split_first_chunk::<4>() else {
+                return sums;
+            };
+            words = rest;
+            for (input, words) in four.iter().zip(front) {
+                add(&mut sums, *input, words);
+            }
+        }
+        for input in others {
+            let Some((front, rest)) = words.split_first() else {
+                return sums;
+            };
+            words = rest;
+            add(&mut sums, *input, front);
         }
     }
-    for (&input, words) in others.iter().zip(words) {
-        add_one(sums, input, words);
-    }
+    sums
 }
 
 /// A third to two thirds of activations are 0.
+#[cfg(not(all(feature = "armv6m", narrow_mul)))]
 #[inline(always)]
-fn add_one<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
+fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
     if input != 0 {
         for (sum, &word) in sums.iter_mut().zip(words) {
             *sum = sum.wrapping_add(word.wrapping_mul(input.into()));
