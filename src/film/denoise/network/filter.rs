@@ -25,12 +25,12 @@ pub static EXP: [u8; 256] = {
     table
 };
 
-/// A mean about a centre: the weights, and the differences by weight.
+/// A mean about a centre: the weights, and the lights by weight.
 struct Mean {
     centre: Light,
     weight: u32,
-    /// |difference| < 2^16, and all weights together < 2^15.
-    sum: [i32; 3],
+    /// Under 2^31: a light is under 2^16, and all weights together are under 2^15.
+    sum: [u32; 3],
 }
 
 impl Mean {
@@ -38,15 +38,15 @@ impl Mean {
         Mean {
             centre,
             weight,
-            sum: [0; 3],
+            sum: centre.map(|light| u32::from(light) * weight),
         }
     }
 
     #[inline(always)]
     fn add(&mut self, light: Light, weight: u32) {
         self.weight += weight;
-        for ((sum, light), centre) in self.sum.iter_mut().zip(light).zip(self.centre) {
-            *sum += (i32::from(light) - i32::from(centre)) * weight as i32;
+        for (sum, light) in self.sum.iter_mut().zip(light) {
+            *sum += u32::from(light) * weight;
         }
     }
 
@@ -57,6 +57,8 @@ impl Mean {
         let short = short_recip((self.weight << zeros) >> 16) as u32;
         let mut out = self.centre;
         for (out, sum) in out.iter_mut().zip(self.sum) {
+            // The differences by weight.
+            let sum = sum as i32 - (u32::from(*out) * self.weight) as i32;
             if sum != 0 {
                 let change = quotient(sum.unsigned_abs(), short, zeros) as i32;
                 let value = i32::from(*out) + if sum < 0 { -change } else { change };
@@ -81,13 +83,18 @@ fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
 }
 
 #[inline(always)]
-fn affinity(a: &Head, b: &Head) -> u32 {
+fn affinity(a: &[i32; 6], b: &Head) -> u32 {
     let mut square = 0u32;
     for i in 0..6 {
-        let d = i32::from(a[i] as i8) - i32::from(b[i] as i8);
+        let d = a[i] - i32::from(b[i] as i8);
         square += (d * d) as u32;
     }
     u32::from(EXP[(square >> 1).min(255) as usize])
+}
+
+#[inline(always)]
+fn features(head: &Head) -> [i32; 6] {
+    core::array::from_fn(|i| i32::from(head[i] as i8))
 }
 
 /// 1 ..= 256.
@@ -318,13 +325,14 @@ impl<'a, const ROWS: usize> Near<'a, ROWS> {
     #[inline(always)]
     fn mean(&self, x: usize, head: &Head) -> Light {
         // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
+        let own = features(head);
         let mut mean = Mean::new(self.light[ROWS / 2][x], 0);
         let width = self.light[ROWS / 2].len();
         let columns = x.saturating_sub(ROWS / 2)..(x + ROWS / 2 + 1).min(width);
         for (light, heads) in self.light.into_iter().zip(self.heads) {
             let (light, heads) = (light.get(columns.clone()), heads.get(columns.clone()));
             for (light, other) in light.unwrap_or(&[]).iter().zip(heads.unwrap_or(&[])) {
-                mean.add(*light, (affinity(head, other) * confidence(other)) >> 6);
+                mean.add(*light, (affinity(&own, other) * confidence(other)) >> 6);
             }
         }
         mean.value()
@@ -342,6 +350,7 @@ impl Coarse<'_> {
     /// What the four nearest coarse pixels say of a fine one, by affinity.
     #[inline(always)]
     fn raise(&self, head: &Head, x: usize, y: usize) -> Light {
+        let head = features(head);
         let (near_x, near_y) = (x >> 1, y >> 1);
         let far_x = if x & 1 == 0 {
             near_x.saturating_sub(1)
@@ -354,10 +363,10 @@ impl Coarse<'_> {
             (near_y + 1).min(self.shape.height - 1)
         };
         let near = near_y * self.shape.width + near_x;
-        let mut mean = Mean::new(self.light[near], 9 * affinity(head, &self.heads[near]) + 1);
+        let mut mean = Mean::new(self.light[near], 9 * affinity(&head, &self.heads[near]) + 1);
         for (x, y, share) in [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)] {
             let place = y * self.shape.width + x;
-            mean.add(self.light[place], share * affinity(head, &self.heads[place]));
+            mean.add(self.light[place], share * affinity(&head, &self.heads[place]));
         }
         mean.value()
     }
