@@ -223,7 +223,7 @@ impl Atrous {
             };
             let mut at = first;
             while at <= last && at < row.frame.len() {
-                let (tap, beside, light) = (row.frame[at], aside[at], &light[at]);
+                let (tap, beside, light) = (&row.frame[at], &aside[at], &light[at]);
                 let weight = self.weight(&own, tap, beside) << (down + u32::from(at == x));
                 if weight > 0 && count < 9 {
                     lights[count] = *light;
@@ -245,7 +245,7 @@ impl Atrous {
 
     /// How much a tap says of a pixel, but for where it is: 64 at most.
     #[inline(always)]
-    fn weight(&self, own: &Own, [_, seen, looks]: [u32; 3], beside: [u8; 4]) -> u32 {
+    fn weight(&self, own: &Own, &[_, seen, looks]: &[u32; 3], beside: &[u8; 4]) -> u32 {
         // A lamp's own light is no light on what is beside it, but for what smooths its outline.
         if !own.is_first && shines(seen) != own.shines {
             return 0;
@@ -255,7 +255,7 @@ impl Atrous {
         let differs = u32::from_le(looks ^ own.looks);
         if differs != 0 {
             if differs & 0xffff != 0 {
-                unlike += (turn(normal(own.aside), normal(beside)) * self.normal as u32) >> 4;
+                unlike += (turn(normal(own.aside), normal(*beside)) * self.normal as u32) >> 4;
             }
             if differs >> 16 != 0 {
                 unlike += self.id as u32;
