@@ -4,7 +4,7 @@ use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
     film::denoise::network::{HEAD, Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
-    film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Size, accumulate},
+    film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Seen, Size, accumulate},
     integrator::Path,
     num::Crc,
     render::{Motion, Renderer, Settings},
@@ -29,7 +29,7 @@ pub const STAGES: [&str; 8] = [
     "à-trous, for 4 samples",
     "network, extraction",
     "network, filter",
-    "twice the size",
+    "twice the size, outlines",
     "first hits for that",
     "rendering, 1 sample",
 ];
@@ -45,6 +45,7 @@ struct Room {
     clean: [Rgb9e5; PIXELS],
     guides: [Feature; 4 * PIXELS],
     shown: [Radiance; 4 * PIXELS],
+    ring: [Seen; 3 * 2 * SIZE.width as usize],
 }
 
 /// Renders two frames of a scene between which the camera moves, one sample a pixel, and does with the second what there is
@@ -61,6 +62,7 @@ pub fn run(scene: Builtin) -> u32 {
         clean: [Rgb9e5::BLACK; PIXELS],
         guides: [Feature::default(); 4 * PIXELS],
         shown: [Radiance::BLACK; 4 * PIXELS],
+        ring: [Seen::NOTHING; 3 * 2 * SIZE.width as usize],
     };
     fill(scene, &mut room).unwrap_or(0)
 }
@@ -147,6 +149,7 @@ fn clean(room: &mut Room) -> u32 {
         clean: cleaned,
         guides,
         shown,
+        ring,
         ..
     } = room;
     let mut crc = Crc::new();
@@ -169,10 +172,14 @@ fn clean(room: &mut Room) -> u32 {
             spp: 1,
             whole: 1,
         };
-        for (i, (shown, guide)) in shown.iter_mut().zip(&*guides).enumerate() {
-            let (x, y) = place(i, 2 * SIZE.width);
-            *shown = clean.pixel_2x(x, y, guide);
-        }
+        let width = 2 * SIZE.width;
+        let guide = |x: u16, y: u16| guides[y as usize * width as usize + x as usize];
+        let mut rest = shown.iter_mut();
+        clean.rows_2x(0..2 * SIZE.height, ring, guide, |_, row| {
+            for (shown, light) in rest.by_ref().zip(row.lights()) {
+                *shown = light;
+            }
+        });
     });
     for light in shown {
         fingerprint::pixel(&mut crc, *light);
