@@ -42,6 +42,8 @@ pub const WIDTH: usize = 2 * SIZE.width as usize;
 pub const HEIGHT: usize = 2 * SIZE.height as usize;
 /// Rows that a worker shows at a time; it makes one more above and below.
 const BAND: usize = 30;
+/// Pixels that become colours at a time: a row's light would take stack.
+const PIECE: usize = 16;
 
 /// Samples a pixel.
 pub const SPP: u32 = 1;
@@ -175,19 +177,22 @@ impl<'m> Flight<'m> {
         let raise = |ring: &mut [Seen]| {
             let renderer = renderer(settings(2, 1), 0);
             let guide = |x, y| renderer.guide(x, y);
-            let mut light = [Radiance::BLACK; WIDTH];
             let mut colours = [0; WIDTH];
             while let Some(first) = bands.next() {
                 clean.rows_2x(first..first + BAND as u16, ring, guide, |y, row| {
-                    for (place, shown) in light.iter_mut().zip(row.lights()) {
-                        *place = shown;
-                    }
-                    let tile = Tile {
-                        area: Rectangle::new(Point::new(0, y.into()), Extent::new(WIDTH as u32, 1)),
-                        pixels: &light,
-                    };
-                    for (place, colour) in colours.iter_mut().zip(tile.colors::<Rgb565>(&DISPLAY)) {
-                        *place = colour.into_storage();
+                    let mut lights = row.lights();
+                    for (x, colours) in (0..).step_by(PIECE).zip(colours.chunks_exact_mut(PIECE)) {
+                        let mut piece = [Radiance::BLACK; PIECE];
+                        for (place, light) in piece.iter_mut().zip(&mut lights) {
+                            *place = light;
+                        }
+                        let tile = Tile {
+                            area: Rectangle::new(Point::new(x, y.into()), Extent::new(PIECE as u32, 1)),
+                            pixels: &piece,
+                        };
+                        for (place, colour) in colours.iter_mut().zip(tile.colors::<Rgb565>(&DISPLAY)) {
+                            *place = colour.into_storage();
+                        }
                     }
                     show(y.into(), &colours);
                 });
