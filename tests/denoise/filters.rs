@@ -473,6 +473,42 @@ fn two_workers_make_the_same_picture() {
 }
 
 #[test]
+fn a_fine_pixel_has_the_light_of_its_own_thing() {
+    let wall = Feature {
+        irradiance: light([1 << 15; 3], -15),
+        depth: 90,
+        id: 3,
+        ..Feature::default()
+    };
+    let nothing = Feature {
+        irradiance: Rgb9e5::BLACK,
+        depth: 255,
+        id: ID_NOTHING,
+        ..wall
+    };
+    // A wall as far as column 10, of which the samples say more than there is.
+    let frame: Vec<Feature> = (0..SIZE.pixels())
+        .map(|i| {
+            if i % usize::from(SIZE.width) <= 10 {
+                wall
+            } else {
+                nothing
+            }
+        })
+        .collect();
+    let lights: Vec<Rgb9e5> = frame.iter().map(|pixel| pixel.irradiance).collect();
+    for y in [0, 1, 16, 33] {
+        let fine = |x: u16, guide: &Feature| upsample(SIZE, &frame, &lights, [x, y], guide);
+        // Columns 9 and 10 are nearest.
+        assert_eq!(fine(20, &nothing), Radiance::BLACK);
+        assert_eq!(fine(20, &wall), wall.irradiance.decode());
+        assert_eq!(fine(23, &wall), wall.irradiance.decode());
+        // Too far from any of its own.
+        assert_eq!(fine(17, &nothing), wall.irradiance.decode());
+    }
+}
+
+#[test]
 fn anything_at_all_goes_through() {
     let mut random = Random(7);
     for round in 0..60 {

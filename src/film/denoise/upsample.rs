@@ -11,7 +11,8 @@ const UNLIKE: [u32; 3] = [32, 2, 4];
 /// The light of pixel (x, y) of a picture twice as wide and high, before its albedo.
 ///
 /// Joint bilateral upsampling (Kopf et al., 2007): the four pixels about it, by where they are (9 : 3 : 3 : 1) and how
-/// like `guide` they are. Where none is like it, the least unlike speaks most.
+/// like `guide` they are. Where none of them is of the same thing, those of it among the twelve about them speak; where
+/// there is none either, the least unlike of the four speaks most.
 pub fn upsample(
     size: Size,
     frame: &[Feature],
@@ -27,37 +28,80 @@ pub fn upsample(
     };
     let columns = both(x, size.width);
     let rows = both(y, size.height).map(|y| y * size.width as usize);
-    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(guide);
-    let is_lamp = shines(seen);
-    let depth = u32::from_le(seen) >> 24;
     let mut taps = [(Rgb9e5::BLACK, 0); 4];
     let mut mean = Mean::new();
+    let mut least = FAR;
     for (i, tap) in taps.iter_mut().enumerate() {
         let there = rows[i >> 1] + columns[i & 1];
         let (Some(pixel), Some(light)) = (frame.get(there), light.get(there)) else {
             continue;
         };
-        let &[_, tap_seen, tap_looks]: &[u32; 3] = transmute_ref!(pixel);
-        let mut unlike = (u32::from_le(tap_seen) >> 24).abs_diff(depth) * UNLIKE[2];
-        // Most are of the same thing and look the same way, to the last bit.
-        let differs = u32::from_le(tap_looks ^ looks);
-        if differs != 0 {
-            unlike += turn_of(pixel, guide) * UNLIKE[1];
-            if differs >> 16 != 0 {
-                unlike += UNLIKE[0];
-            }
-        }
-        if shines(tap_seen) != is_lamp {
-            unlike = FAR;
-        }
+        let unlike = unlike(pixel, guide);
+        least = least.min(unlike);
         let share = [9, 3, 3, 1][i];
         // Never nothing.
         *tap = (*light, share * FALL[unlike.min(48) as usize] as u32);
         mean.see(*light);
     }
+    if least >= UNLIKE[0]
+        && let Some(light) = about(size, frame, light, [x, y], guide)
+    {
+        return light;
+    }
     for (light, weight) in taps {
         mean.add(light, weight);
     }
+    answer(&mean)
+}
+
+/// Of the sixteen about pixel (x, y), those that are of the guide's thing; the same for each of them.
+#[cold]
+fn about(
+    size: Size,
+    frame: &[Feature],
+    light: &[Rgb9e5],
+    [x, y]: [u16; 2],
+    guide: &Feature,
+) -> Option<Radiance> {
+    let [left, top] = [x, y].map(|c| (c.div_ceil(2) as i32) - 2);
+    let alike = || {
+        (0..16).filter_map(|i| {
+            let (x, y) = (left + (i & 3), top + (i >> 2));
+            let is_inside = (0..size.width as i32).contains(&x) && (0..size.height as i32).contains(&y);
+            let place = is_inside.then(|| y as usize * size.width as usize + x as usize)?;
+            let (pixel, light) = (frame.get(place)?, light.get(place)?);
+            let unlike = unlike(pixel, guide);
+            (unlike < UNLIKE[0]).then(|| (*light, FALL[unlike as usize] as u32))
+        })
+    };
+    let mut mean = Mean::new();
+    alike().for_each(|(light, _)| mean.see(light));
+    alike().for_each(|(light, weight)| mean.add(light, weight));
+    (mean.weight() > 0).then(|| answer(&mean))
+}
+
+/// Eighths of a half-life.
+#[inline(always)]
+fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
+    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(guide);
+    let &[_, tap_seen, tap_looks]: &[u32; 3] = transmute_ref!(pixel);
+    if shines(tap_seen) != shines(seen) {
+        return FAR;
+    }
+    let depth = u32::from_le(seen) >> 24;
+    let mut unlike = (u32::from_le(tap_seen) >> 24).abs_diff(depth) * UNLIKE[2];
+    // Most are of the same thing and look the same way, to the last bit.
+    let differs = u32::from_le(tap_looks ^ looks);
+    if differs != 0 {
+        unlike += turn_of(pixel, guide) * UNLIKE[1];
+        if differs >> 16 != 0 {
+            unlike += UNLIKE[0];
+        }
+    }
+    unlike
+}
+
+fn answer(mean: &Mean) -> Radiance {
     if mean.weight() == 0 {
         return Radiance::BLACK;
     }
