@@ -26,10 +26,9 @@ use crate::film::Feature;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
     light: Rgb9e5,
-    id: u16,
-    depth: u8,
-    /// How many samples it is worth, places anywhere in the pixel; 255 is as many as can be.
-    samples: u8,
+    /// From the highest bit: 16 of the number, 8 of the distance, and how many samples it is worth, places anywhere in the
+    /// pixel, 255 being as many as can be.
+    of: u32,
 }
 
 /// One sample in the middle is worth as many.
@@ -45,22 +44,22 @@ pub(super) fn worth(spp: u32, frames: u32) -> u32 {
 impl Seen {
     pub const NOTHING: Seen = Seen {
         light: Rgb9e5::BLACK,
-        id: 0,
-        depth: 0,
-        samples: 0,
+        of: 0,
     };
 
     pub(super) fn new(light: Radiance, pixel: &Feature, samples: u32) -> Seen {
         Seen {
             light: Rgb9e5::encode(light),
-            id: pixel.id,
-            depth: pixel.depth,
-            samples: samples.min(255) as u8,
+            of: (pixel.id as u32) << 16 | (pixel.depth as u32) << 8 | samples.min(255),
         }
     }
 
-    fn is_like(&self, other: &Seen) -> bool {
-        self.id == other.id && is_near(self.depth, other.depth)
+    fn depth(&self) -> u8 {
+        (self.of >> 8) as u8
+    }
+
+    fn samples(&self) -> u32 {
+        self.of & 255
     }
 }
 
@@ -102,9 +101,21 @@ impl Row<'_> {
         };
         let columns = [x.saturating_sub(1), x, (x + 1).min(row.len() - 1)];
         let near = self.rows.map(|row| columns.map(|x| row.get(x).unwrap_or(own)));
-        let shares = SHARES.get(own.samples.max(1).ilog2() as usize);
-        let (Some(&[side, corner]), false) = (shares, near.iter().flatten().all(|seen| own.is_like(seen)))
-        else {
+        // Most are all of one number and distance.
+        let differs = near
+            .iter()
+            .flatten()
+            .fold(0, |bits, seen| bits | (seen.of ^ own.of));
+        if differs < 1 << 8 {
+            return own.light;
+        }
+        let is_one = differs < 1 << 16
+            && near
+                .iter()
+                .flatten()
+                .all(|seen| is_near(own.depth(), seen.depth()));
+        let shares = SHARES.get(own.samples().max(1).ilog2() as usize);
+        let (Some(&[side, corner]), false) = (shares, is_one) else {
             return own.light;
         };
         let mut mean = Mean::new();
