@@ -46,4 +46,22 @@ mod tests {
         assert_eq!(read.dimensions(), (4, 3));
         assert_eq!(read.as_raw().as_slice(), pixels.as_flattened());
     }
+    #[test]
+    fn frames_follow_each_other_as_fast_as_asked() {
+        let frames: Vec<Vec<[u8; 3]>> = (0..3).map(|i| vec![[80 * i; 3]; 6]).collect();
+        let bytes = super::animated([3, 2], frames.iter().map(Vec::as_slice), 25).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes))
+            .read_info()
+            .unwrap();
+        for frame in &frames {
+            let mut pixels = vec![0; frame.as_flattened().len()];
+            reader.next_frame(&mut pixels).unwrap();
+            assert_eq!(pixels, frame.as_flattened());
+            let control = reader.info().frame_control.unwrap();
+            assert_eq!((control.delay_num, control.delay_den), (1, 25));
+        }
+        let animation = reader.info().animation_control.unwrap();
+        // Again and again: as many times as 0 stands for.
+        assert_eq!((animation.num_frames, animation.num_plays), (3, 0));
+    }
 }
