@@ -21,6 +21,7 @@ use super::accumulate::is_near;
 use super::weight::{Mean, luma_code};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
+use crate::num::{isqrt, leading_zeros};
 
 /// What a pixel shows, and of what: eight bytes of a row that [`Clean`](super::Clean) works in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -38,7 +39,7 @@ pub(super) const MIDDLE: u32 = 2;
 /// where an outline runs as *n*^1.5 that do not (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
 pub(super) fn worth(spp: u32, frames: u32) -> u32 {
     let spp = spp.min(255);
-    spp * spp.isqrt() * frames
+    spp * isqrt(spp) * frames
 }
 
 impl Seen {
@@ -114,7 +115,7 @@ impl Row<'_> {
                 .iter()
                 .flatten()
                 .all(|seen| is_near(own.depth(), seen.depth()));
-        let shares = SHARES.get(own.samples().max(1).ilog2() as usize);
+        let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
         let (Some(&[side, corner]), false) = (shares, is_one) else {
             return own.light;
         };
