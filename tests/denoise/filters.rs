@@ -234,12 +234,12 @@ fn lengths_are_of_the_frame_that_was_denoised() {
     with_denoiser(SIZE, 1, |denoiser| {
         for number in 1..=10 {
             denoiser.frame().fill(Feature::default());
-            denoiser.denoise(Some(&Still), &mut Off);
-            assert_eq!(denoiser.history_lengths(), [number.min(8); SIZE.pixels()]);
+            let clean = denoiser.denoise(Some(&Still), &mut Off);
+            assert_eq!(clean.lengths, [number.min(8); SIZE.pixels()]);
         }
         denoiser.forget();
-        denoiser.denoise(Some(&Still), &mut Off);
-        assert_eq!(denoiser.history_lengths(), [1; SIZE.pixels()]);
+        let clean = denoiser.denoise(Some(&Still), &mut Off);
+        assert_eq!(clean.lengths, [1; SIZE.pixels()]);
     });
 }
 

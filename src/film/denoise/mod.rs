@@ -178,11 +178,6 @@ impl<'m> Denoiser<'m> {
         self.now
     }
 
-    /// How many frames each pixel's light is of, 1 ..= 8, in the frame that was denoised last.
-    pub fn history_lengths(&self) -> &[u8] {
-        self.lengths_before
-    }
-
     /// Forgets what was seen: a cut.
     pub fn forget(&mut self) {
         self.has_history = false;
@@ -287,7 +282,7 @@ pub struct Clean<'d> {
     pub size: Size,
     pub frame: &'d [Feature],
     pub light: &'d [Rgb9e5],
-    /// How many frames each pixel's light is of.
+    /// How many frames each pixel's light is of, 1 ..= 8.
     pub lengths: &'d [u8],
     /// Samples a pixel of each.
     pub spp: u32,
@@ -312,21 +307,22 @@ impl Clean<'_> {
         upsample(self.size, self.frame, self.light, [x, y], guide).mul_albedo(guide.albedo())
     }
 
-    /// Shows `rows` from the top, outlines without steps; `ring` is as long as three of them.
+    /// Shows `rows` from the top, outlines without steps; `ring` is as long as three of them, or rows are cut off.
     pub fn rows(&self, rows: Range<u16>, ring: &mut [Seen], show: impl FnMut(u16, Row)) {
+        let each = worth(self.spp);
         let make = |y: u16, row: &mut [Seen]| {
             for (x, seen) in (0..).zip(row) {
                 let place = y as usize * self.size.width as usize + x as usize;
                 *seen = match (self.frame.get(place), self.lengths.get(place)) {
                     (Some(pixel), Some(&length)) => {
-                        let frames = length.min(self.whole).max(1);
-                        Seen::new(self.pixel(x, y), pixel, worth(self.spp, frames.into()))
+                        let frames = u32::from(length.min(self.whole).max(1));
+                        Seen::new(self.pixel(x, y), pixel, frames * each)
                     }
                     _ => Seen::default(),
                 };
             }
         };
-        go_down(rows, self.size.height, ring, make, show);
+        go_down(rows, self.size, ring, make, show);
     }
 
     /// The same of a picture twice as wide and high; `guide` answers each pixel's own first hit.
@@ -343,6 +339,10 @@ impl Clean<'_> {
                 *seen = Seen::new(self.pixel_2x(x, y, &guide), &guide, MIDDLE);
             }
         };
-        go_down(rows, self.size.height.saturating_mul(2), ring, make, show);
+        let size = Size {
+            width: self.size.width.saturating_mul(2),
+            height: self.size.height.saturating_mul(2),
+        };
+        go_down(rows, size, ring, make, show);
     }
 }

@@ -17,6 +17,7 @@
 
 use core::ops::Range;
 
+use super::Size;
 use super::accumulate::is_near;
 use super::weight::{Mean, luma_code};
 use crate::color::{Radiance, Rgb9e5};
@@ -35,11 +36,11 @@ pub struct Seen {
 /// One sample in the middle is worth as many.
 pub(super) const MIDDLE: u32 = 2;
 
-/// So many samples of a pixel, spread evenly over `frames` frames, are worth: *n* that keep out of each other's way know
-/// where an outline runs as *n*^1.5 that do not (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
-pub(super) fn worth(spp: u32, frames: u32) -> u32 {
+/// What a frame's samples of a pixel are worth: *n* that keep out of each other's way know where an outline runs as *n*^1.5
+/// that do not (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996).
+pub(super) fn worth(spp: u32) -> u32 {
     let spp = spp.min(255);
-    spp * isqrt(spp) * frames
+    spp * isqrt(spp)
 }
 
 impl Seen {
@@ -136,11 +137,11 @@ impl Row<'_> {
     }
 }
 
-/// Goes down a picture of `height` rows: each of `rows`, and one more above and below, is asked of `make` once, and those
+/// Goes down a picture of this size: each of `rows`, and one more above and below, is asked of `make` once, and those
 /// of `rows` are given to `show`, from the top. `ring` is as long as three rows.
 pub(super) fn go_down(
     rows: Range<u16>,
-    height: u16,
+    Size { width, height }: Size,
     ring: &mut [Seen],
     mut make: impl FnMut(u16, &mut [Seen]),
     mut show: impl FnMut(u16, Row),
@@ -149,7 +150,7 @@ pub(super) fn go_down(
     if rows.is_empty() {
         return;
     }
-    let width = ring.len() / 3;
+    let width = (ring.len() / 3).min(width.into());
     let (mut above, rest) = ring.split_at_mut(width);
     let (mut own, rest) = rest.split_at_mut(width);
     let mut below = &mut rest[..width];
