@@ -58,18 +58,12 @@ fn denoised_by(
 
 fn denoised(
     weights: Weights,
-    [width, height]: [usize; 2],
+    size: [usize; 2],
     light: &[[u16; 3]],
     input: impl Fn(usize) -> Input + Sync,
     fill: u8,
 ) -> Vec<[u16; 3]> {
-    let mut room = Room::new(width, height, fill);
-    let mut out = vec![[0; 3]; width * height];
-    Network::new(weights, width, height, room.lend())
-        .unwrap()
-        .run(input, |at| light[at], &mut out)
-        .unwrap();
-    out
+    denoised_by(&Alone, weights, size, light, input, fill)
 }
 
 const SIZES: [[usize; 2]; 7] = [[1, 1], [2, 1], [1, 9], [7, 5], [8, 8], [33, 17], [40, 30]];

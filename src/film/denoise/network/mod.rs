@@ -32,7 +32,7 @@ pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError};
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
 
-use super::{Alone, Pair};
+use super::Pair;
 
 /// Sizes at which the network sees the picture: each half the one before, rounded up.
 pub const LEVELS: usize = 4;
@@ -215,18 +215,6 @@ impl<'a> Network<'a> {
             shape,
             scratch,
         })
-    }
-
-    /// Filters one picture by one worker: `input` answers what the network sees of pixel number i, and `light` its
-    /// irradiance; the answer is in `out`.
-    pub fn run(
-        &mut self,
-        input: impl Fn(usize) -> Input + Sync,
-        light: impl Fn(usize) -> [u16; 3] + Sync,
-        out: &mut [[u16; 3]],
-    ) -> Result<(), NetworkError> {
-        self.extract(&Alone, input);
-        self.filter(&Alone, light, out, |light| light)
     }
 }
 
