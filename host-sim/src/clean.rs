@@ -269,9 +269,12 @@ pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec
     let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
     let is_large = cleaning.upscale == 2;
     if cleaning.denoise == Denoise::Off {
-        let pixel = |y, x| match is_large {
-            true => clean.pixel_2x(x, y, &guides.guide(x, y)),
-            false => clean.pixel(x, y),
+        let pixel = |y, x| {
+            if is_large {
+                clean.pixel_2x(x, y, &guides.guide(x, y))
+            } else {
+                clean.pixel(x, y)
+            }
         };
         let row = |y: u16| (0..width).map(move |x| pixel(y, x)).collect::<Vec<_>>();
         return (0..height).into_par_iter().flat_map_iter(row).collect();
@@ -281,9 +284,10 @@ pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec
         let mut ring = vec![Seen::default(); 3 * usize::from(width)];
         let mut pixels = Vec::new();
         let show = |_, row: Row| pixels.extend(row.lights());
-        match is_large {
-            true => clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show),
-            false => clean.rows(rows, &mut ring, show),
+        if is_large {
+            clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show);
+        } else {
+            clean.rows(rows, &mut ring, show);
         }
         pixels
     };
