@@ -21,26 +21,27 @@ pub(crate) fn run() -> u32 {
         words.fill_with(|| random.u32());
         let length = round % 17;
         let run = |number: usize| &inputs[number * 5..][..length];
-        let nine = core::array::from_fn::<_, 9, _>(run);
         let other = &inputs[40..][..16 - length];
         let (threes, _) = words.as_chunks::<3>();
         let (fours, _) = words.as_chunks::<4>();
-        for sum in [
-            sums([run(0)], threes),
-            sums([run(1), &[], other], threes),
-            sums([run(2), run(3), run(4)], threes),
-            sums(nine, threes),
-        ] {
-            sum.into_iter().for_each(|word| crc.word(word));
-        }
-        for sum in [
-            sums([run(0)], fours),
-            sums([run(1), &[], other], fours),
-            sums([run(2), run(3), run(4)], fours),
-            sums(nine, fours),
-        ] {
-            sum.into_iter().for_each(|word| crc.word(word));
-        }
+        all(&mut crc, run, other, threes);
+        all(&mut crc, run, other, fours);
     }
     crc.value()
+}
+
+fn all<'a, const PAIRS: usize>(
+    crc: &mut Crc,
+    run: impl Fn(usize) -> &'a [u8],
+    other: &[u8],
+    words: &[[u32; PAIRS]],
+) {
+    for sum in [
+        sums([run(0)], words),
+        sums([run(1), &[], other], words),
+        sums([run(2), run(3), run(4)], words),
+        sums(core::array::from_fn::<_, 9, _>(&run), words),
+    ] {
+        sum.into_iter().for_each(|word| crc.word(word));
+    }
 }

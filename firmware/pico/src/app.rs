@@ -34,7 +34,7 @@ pub const FRAME: Frame = if cfg!(feature = "wide") {
 /// Longest time between two tiles of core 0; what core 1 still does at the end of a pass counts too.
 const HANG: MicrosDurationU32 = MicrosDurationU32::millis(8_000);
 
-/// 10 KiB; core 1 takes 9.5 at most, an exception and the guard with it, or the emulator's `size` and `run` fail.
+/// 10 KiB; core 1 takes 8.6 at most, an exception and the guard with it, or the emulator's `size` and `run` fail.
 static CORE_1_STACK: Stack<2560> = Stack::new();
 
 pub fn run() -> ! {
