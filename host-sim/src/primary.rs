@@ -182,4 +182,17 @@ mod tests {
         assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-6, "{a:e} {b:e}");
         assert_eq!(small.rays, large.rays);
     }
+
+    /// A camera high over an infinite floor, with the horizon in the picture.
+    #[test]
+    fn far_floors_are_hit_where_they_are() {
+        let core = CoreScene::new(&builtin::scene("materials").unwrap()).unwrap();
+        let report = compare(&core, 32, 32, &AtomicBool::new(false)).unwrap().unwrap();
+        assert!(
+            report.hit_point_error.p99 < 1e-3,
+            "{:e}",
+            report.hit_point_error.p99
+        );
+        assert_eq!(report.hit_miss_disagreement, 0.0);
+    }
 }

@@ -8,7 +8,7 @@ use microlux::shape::{Disk, Geometry, Plane, Rectangle, Sphere};
 
 use super::QuantiseError;
 use crate::desc::{GeometryDesc, LightDesc, SceneDesc, ShapeDesc, Vec3};
-use crate::import::math::length;
+use crate::import::math::{dot, length};
 
 /// Corners of a shape's bounding box; an infinite plane only has its point.
 fn bounds(shape: &ShapeDesc) -> Vec<Vec3> {
@@ -58,6 +58,14 @@ pub(super) fn choose_unit(desc: &SceneDesc) -> (Vec3, Unit) {
     for light in &desc.lights {
         if let LightDesc::Point { position, .. } = light {
             outside(position);
+        }
+    }
+    // Directions tell the slopes of rays towards a plane to 2^-17; those of 2^-8 and more meet it within `FAR`, 2^7 times
+    // `REACH`, if the camera stands within half of `REACH` of it.
+    for shape in &desc.shapes {
+        if let GeometryDesc::Plane { point, normal } = &shape.geometry {
+            let from = [0, 1, 2].map(|i| desc.camera.origin[i] - point[i]);
+            reach = reach.max(2.0 * dot(from, *normal).abs() / length(*normal));
         }
     }
     let bits = (f64::from(REACH) * 0.999 / reach.max(1e-12)).log2().floor();

@@ -30,7 +30,7 @@ pub fn borrowed<'a>(meshes: &'a [Mesh<'a>]) -> Borrowed<'a> {
 
 /// The scene, and its camera.
 pub fn scene() -> Result<(Builder, Camera), SceneError> {
-    let mut b = Builder::with_unit(Unit::new(21));
+    let mut b = Builder::with_unit(Unit::new(20));
     let m = [
         b.material(Material::Lambert { albedo: Albedo::from_bits([16384, 15729, 14746]), two_sided: true })?,
         b.material(Material::OrenNayar(OrenNayar::new(OrenNayarModel::Full, Albedo::from_bits([24576, 14746, 9830]), Turn::from_bits(429490176))))?,
@@ -45,19 +45,19 @@ pub fn scene() -> Result<(Builder, Camera), SceneError> {
         b.material(Material::Dielectric(Dielectric::new(Metres::from_bits(98304)).tinted(Albedo::from_bits([32768, 32768, 32768]), Albedo::from_bits([32768, 32768, 32768]))))?,
         b.material(Material::Lambert { albedo: Albedo::from_bits([0, 0, 0]), two_sided: false })?,
     ];
-    b.shape(Plane { point: Point([0, -3145728, -1027604]), normal: Dir([0, 65536, 0]) }, m[0])?;
-    b.shape(Sphere { center: Point([-3145728, -2474639, -2076180]), radius: 671089 }, m[1])?;
-    b.shape(Sphere { center: Point([-1572864, -2474639, -2076180]), radius: 671089 }, m[2])?;
-    b.shape(Sphere { center: Point([0, -2474639, -2076180]), radius: 671089 }, m[3])?;
-    b.shape(Sphere { center: Point([1572864, -2474639, -2076180]), radius: 671089 }, m[4])?;
-    b.shape(Sphere { center: Point([3145728, -2474639, -2076180]), radius: 671089 }, m[5])?;
-    b.shape(Sphere { center: Point([-3145728, -2474639, -188744]), radius: 671089 }, m[6])?;
-    b.shape(Sphere { center: Point([-1572864, -2474639, -188744]), radius: 671089 }, m[7])?;
-    b.shape(Sphere { center: Point([0, -2474639, -188744]), radius: 671089 }, m[8])?;
-    b.shape(Sphere { center: Point([1572864, -2474639, -188744]), radius: 671089 }, m[9])?;
-    b.shape(Sphere { center: Point([3145728, -2474639, -188744]), radius: 671089 }, m[10])?;
-    b.emitter(Rectangle { center: Point([-1258291, 3145728, 1488978]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [1887437, 1258291] }, m[11], Radiance::from_bits([32768, 30720, 26624], -12))?;
+    b.shape(Plane { point: Point([0, -1572864, -513802]), normal: Dir([0, 65536, 0]) }, m[0])?;
+    b.shape(Sphere { center: Point([-1572864, -1237320, -1038090]), radius: 335544 }, m[1])?;
+    b.shape(Sphere { center: Point([-786432, -1237320, -1038090]), radius: 335544 }, m[2])?;
+    b.shape(Sphere { center: Point([0, -1237320, -1038090]), radius: 335544 }, m[3])?;
+    b.shape(Sphere { center: Point([786432, -1237320, -1038090]), radius: 335544 }, m[4])?;
+    b.shape(Sphere { center: Point([1572864, -1237320, -1038090]), radius: 335544 }, m[5])?;
+    b.shape(Sphere { center: Point([-1572864, -1237320, -94372]), radius: 335544 }, m[6])?;
+    b.shape(Sphere { center: Point([-786432, -1237320, -94372]), radius: 335544 }, m[7])?;
+    b.shape(Sphere { center: Point([0, -1237320, -94372]), radius: 335544 }, m[8])?;
+    b.shape(Sphere { center: Point([786432, -1237320, -94372]), radius: 335544 }, m[9])?;
+    b.shape(Sphere { center: Point([1572864, -1237320, -94372]), radius: 335544 }, m[10])?;
+    b.emitter(Rectangle { center: Point([-629146, 1572864, 744489]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [943718, 629146] }, m[11], Radiance::from_bits([32768, 30720, 26624], -12))?;
     b.light(Light::Environment { radiance: Radiance::from_bits([28836, 34079, 41943], -17) })?;
-    let camera = Camera::from_frame(Point([0, 838861, 8199864]), [Dir([65536, 0, 0]), Dir([0, 61225, -23377]), Dir([0, -23377, -61225])], fixed::types::I12F20::from_bits(434334));
+    let camera = Camera::from_frame(Point([0, 419430, 4099932]), [Dir([65536, 0, 0]), Dir([0, 61225, -23377]), Dir([0, -23377, -61225])], fixed::types::I12F20::from_bits(434334));
     Ok((b, camera))
 }
