@@ -267,7 +267,31 @@ mod tests {
     }
 
     fn clean(denoise: Denoise, upscale: u32) -> impl FnOnce(&mut Options) {
-        move |options: &mut Options| options.cleaning = Cleaning { denoise, upscale }
+        cleaned(denoise, upscale, false)
+    }
+
+    fn cleaned(denoise: Denoise, upscale: u32, taa: bool) -> impl FnOnce(&mut Options) {
+        move |options: &mut Options| {
+            options.cleaning = Cleaning {
+                denoise,
+                upscale,
+                taa,
+            }
+        }
+    }
+
+    #[test]
+    fn what_was_shown_before_makes_it_calmer() {
+        for (orbit, upscale) in [(0.0, 1), (0.0, 2), (3.0, 1), (3.0, 2)] {
+            let truth = made("cornell", orbit, |options| options.spp = 128);
+            let [plain, steady] =
+                [false, true].map(|taa| made("cornell", orbit, cleaned(Denoise::Atrous, upscale, taa)));
+            let over = |animation: &Animation| animation.flicker() - truth.flicker();
+            let [a, b] = [&plain, &steady].map(over);
+            assert!(b < 0.8 * a, "{orbit} {upscale}: {a} {b}");
+            let [a, b] = [&plain, &steady].map(|animation| animation.psnr(&truth, 5));
+            assert!(b > a - 1.0, "{orbit} {upscale}: {a} {b}");
+        }
     }
 
     #[test]

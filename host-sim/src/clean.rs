@@ -5,7 +5,7 @@ use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::network::{Neural, TRAINED};
 use microlux::film::denoise::{
-    Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Row, Scratch, Seen, Size,
+    Atrous, Clean, Denoiser, Filter, Memory, Off, Pair, ROWS, Row, Scratch, Seen, Shown, Size,
 };
 use microlux::integrator::{Integrator, Path};
 use microlux::render::{Motion, Renderer, Settings};
@@ -30,6 +30,8 @@ pub struct Cleaning {
     pub denoise: Denoise,
     /// How many pixels of the picture a rendered one is wide and high: 1 or 2.
     pub upscale: u32,
+    /// Whether each picture of a sequence is half of the one shown before, where that was: `microlux::film::denoise::Shown`.
+    pub taa: bool,
 }
 
 impl Default for Cleaning {
@@ -37,6 +39,7 @@ impl Default for Cleaning {
         Cleaning {
             denoise: Denoise::Off,
             upscale: 1,
+            taa: false,
         }
     }
 }
@@ -106,6 +109,8 @@ pub struct Sequence<'m> {
     denoiser: Denoiser<'m>,
     filter: Chosen<'m>,
     before: Option<Camera>,
+    /// What was shown last; empty if nothing was since a cut.
+    shown: Vec<Rgb9e5>,
 }
 
 /// Lends memory to a sequence.
@@ -140,6 +145,7 @@ pub fn sequence<R>(frames: Frames, show: impl FnOnce(&mut Sequence) -> R) -> R {
         denoiser,
         filter,
         before: None,
+        shown: Vec::new(),
     })
 }
 
@@ -203,6 +209,7 @@ impl Sequence<'_> {
     /// A cut: the next frame has no history.
     pub fn forget(&mut self) {
         self.denoiser.forget();
+        self.shown.clear();
     }
 
     fn finish(&mut self, scene: &Scene, camera: Camera) -> Cleaned {
@@ -211,6 +218,7 @@ impl Sequence<'_> {
             denoiser,
             filter,
             before,
+            shown,
         } = self;
         let size = denoiser.size();
         match frames.cleaning.denoise {
@@ -225,7 +233,7 @@ impl Sequence<'_> {
                     spp: frames.spp,
                     whole: 1,
                 };
-                let pixels = show(*frames, scene, camera, &clean);
+                let pixels = show(*frames, scene, camera, &clean, None);
                 Cleaned {
                     pixels,
                     gathered,
@@ -239,8 +247,21 @@ impl Sequence<'_> {
                     motion = motion.whole();
                 }
                 let clean = denoiser.denoise_by(&Threads, Some(&motion), filter);
+                let upscale = frames.cleaning.upscale as u16;
+                let motion = Motion::between(before, camera, upscale * size.width, upscale * size.height);
+                let last = Shown {
+                    size: Size {
+                        width: frames.width,
+                        height: frames.height,
+                    },
+                    lights: &*shown,
+                    motion: &motion,
+                };
+                let last = (frames.cleaning.taa && !shown.is_empty()).then_some(&last);
+                let pixels = show(*frames, scene, camera, &clean, last);
+                *shown = pixels.iter().map(|light| Rgb9e5::encode(*light)).collect();
                 Cleaned {
-                    pixels: show(*frames, scene, camera, &clean),
+                    pixels,
                     gathered: clean.frame.to_vec(),
                     lengths: clean.lengths.to_vec(),
                 }
@@ -252,8 +273,15 @@ impl Sequence<'_> {
 /// Rows that a thread shows at a time.
 const BAND: u16 = 16;
 
-/// At the size that is seen, times the albedo; outlines without steps, unless nothing is denoised.
-pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec<Radiance> {
+/// At the size that is seen, times the albedo; outlines without steps, unless nothing is denoised, and half of what was shown
+/// `before`.
+pub fn show(
+    frames: Frames,
+    scene: &Scene,
+    camera: Camera,
+    clean: &Clean,
+    before: Option<&Shown<Motion>>,
+) -> Vec<Radiance> {
     let Frames {
         width,
         height,
@@ -283,7 +311,10 @@ pub fn show(frames: Frames, scene: &Scene, camera: Camera, clean: &Clean) -> Vec
         let rows = number * BAND..height.min((number + 1) * BAND);
         let mut ring = vec![Seen::default(); 3 * usize::from(width)];
         let mut pixels = Vec::new();
-        let show = |_, row: Row| pixels.extend(row.lights());
+        let show = |y, row: Row| match before {
+            Some(before) => pixels.extend(row.steadied(y, before).map(Rgb9e5::decode)),
+            None => pixels.extend(row.lights()),
+        };
         if is_large {
             clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show);
         } else {

@@ -364,9 +364,18 @@ fn a_flight_is_an_animated_png_or_a_folder() {
     host_sim(
         &folder,
         "animate",
-        &[&flight[..], &["stills", "--denoise", "atrous"]].concat(),
+        &[&flight[..], &["stills", "--denoise", "atrous", "--taa"]].concat(),
     )
     .assert()
     .success();
     assert_eq!(fs::read_dir(folder.path().join("stills")).unwrap().count(), 3);
+    host_sim(
+        &folder,
+        "animate",
+        &[&flight[..], &["noisy.png", "--taa"]].concat(),
+    )
+    .assert()
+    .code(1)
+    .stderr(contains("--denoise atrous"));
+    assert!(!folder.path().join("noisy.png").exists());
 }

@@ -2,9 +2,9 @@
 
 use crate::with_denoiser;
 use microlux::camera::Camera;
-use microlux::color::Radiance;
+use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Neural, TRAINED};
-use microlux::film::denoise::{Atrous, Filter, Row, Seen, Size};
+use microlux::film::denoise::{Atrous, Filter, Row, Seen, Shown, Size};
 use microlux::geom::{Dir, Point};
 use microlux::integrator::Path;
 use microlux::render::{Motion, Renderer, Settings};
@@ -22,7 +22,8 @@ const RECORD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden_denoise.
 const HEADER: &str = "\
 # Golden denoised pictures: 24 x 20 pixels of at most 8 segments, sobol with seeds 1, 2, 3, 4, the camera going a 64th of
 # its height to the right each frame. A row: scene, filter, samples a pixel, CRC-32 (IEEE) of all frames' pixels after the
-# filter (8 bytes each, as in golden.txt), and of the last frame's at twice the size.
+# filter (8 bytes each, as in golden.txt), and of the last frame's at twice the size. taa is the filter atrous, each picture
+# half of the one before.
 #     MICROLUX_BLESS=1 cargo test --test denoise
 ";
 
@@ -39,25 +40,32 @@ fn moved(camera: Camera, frame: u32) -> Camera {
     )
 }
 
-/// The filters by name, so that each has rows of its own.
-const FILTERS: [&str; 2] = ["atrous", "neural"];
+/// The filters by name, and samples a pixel, so that each has rows of its own; `taa` is à-trous with what was shown before.
+const WAYS: [(&str, u32); 5] = [
+    ("atrous", 1),
+    ("atrous", 4),
+    ("neural", 1),
+    ("neural", 4),
+    ("taa", 1),
+];
 
 fn crc(scene: &Scene, camera: Camera, filter: &str, spp: u32) -> u32 {
-    if filter == "atrous" {
-        return crc_of(scene, camera, &mut Atrous::for_spp(spp), spp);
+    if filter != "neural" {
+        return crc_of(scene, camera, &mut Atrous::for_spp(spp), filter == "taa", spp);
     }
     let mut memory = vec![0; Neural::needs(SIZE)];
     let mut neural = Neural::new(TRAINED, SIZE, spp, &mut memory).unwrap();
-    crc_of(scene, camera, &mut neural, spp)
+    crc_of(scene, camera, &mut neural, false, spp)
 }
 
-fn crc_of(scene: &Scene, camera: Camera, filter: &mut impl Filter, spp: u32) -> u32 {
+fn crc_of(scene: &Scene, camera: Camera, filter: &mut impl Filter, is_steadied: bool, spp: u32) -> u32 {
     let settings = Settings {
         width: SIZE.width,
         height: SIZE.height,
         spp,
     };
     let mut bytes = Vec::new();
+    let (mut lights, mut next) = (Vec::new(), Vec::new());
     with_denoiser(SIZE, spp, |denoiser| {
         for frame in 0..FRAMES {
             let now = moved(camera, frame);
@@ -68,12 +76,25 @@ fn crc_of(scene: &Scene, camera: Camera, filter: &mut impl Filter, spp: u32) -> 
             assert_eq!(renderer.feature_tile(area, denoiser.frame()), SIZE.pixels());
             let clean = denoiser.denoise(Some(&motion), filter);
             let mut ring = [Seen::default(); 3 * 2 * SIZE.width as usize];
-            let mut keep = |_, row: Row| bytes.extend(row.lights().flat_map(eight));
+            let shown = Shown {
+                size: SIZE,
+                lights: &lights,
+                motion: &motion,
+            };
             clean.rows(
                 0..SIZE.height,
                 &mut ring[..3 * usize::from(SIZE.width)],
-                &mut keep,
+                |y, row| {
+                    if is_steadied {
+                        next.extend(row.steadied(y, &shown));
+                    } else {
+                        bytes.extend(row.lights().flat_map(eight));
+                    }
+                },
             );
+            bytes.extend(next.iter().map(|light: &Rgb9e5| light.decode()).flat_map(eight));
+            lights = std::mem::take(&mut next);
+            let keep = |_, row: Row| bytes.extend(row.lights().flat_map(eight));
             if frame + 1 == FRAMES {
                 let (width, height) = (2 * SIZE.width, 2 * SIZE.height);
                 let fine = Settings {
@@ -105,11 +126,9 @@ fn denoised_pictures_are_the_record() {
         Builtin::Materials,
         Builtin::Sky,
     ] {
-        for filter in FILTERS {
-            for spp in [1, 4] {
-                let crc = scene.with(|scene, camera| crc(scene, camera, filter, spp));
-                table += &format!("{:<9} {filter} {spp} {:08x}\n", scene.name(), crc.unwrap());
-            }
+        for (filter, spp) in WAYS {
+            let crc = scene.with(|scene, camera| crc(scene, camera, filter, spp));
+            table += &format!("{:<9} {filter:<6} {spp} {:08x}\n", scene.name(), crc.unwrap());
         }
     }
     if std::env::var_os("MICROLUX_BLESS").is_some_and(|value| value == "1") {

@@ -6,6 +6,7 @@ mod golden;
 mod motion;
 mod network;
 mod outline;
+mod taa;
 mod twin;
 
 use microlux::color::{Radiance, Rgb9e5};

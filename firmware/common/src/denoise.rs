@@ -5,10 +5,10 @@
 
 use microlux::{
     camera::Camera,
-    color::Rgb9e5,
+    color::{Radiance, Rgb9e5},
     film::Feature,
     film::denoise::network::{Neural, TRAINED},
-    film::denoise::{Atrous, Denoiser, Filter, Memory, ROWS, Row, Seen, Size},
+    film::denoise::{Atrous, Denoiser, Filter, Memory, ROWS, Seen, Shown, Size},
     geom::{Dir, Point},
     integrator::Path,
     num::Crc,
@@ -39,6 +39,8 @@ pub struct Case {
     pub scene: Builtin,
     pub way: Way,
     pub spp: u32,
+    /// Whether each picture is half of the one shown before; of [`Way::Atrous`] alone.
+    pub is_steadied: bool,
 }
 
 impl Case {
@@ -46,7 +48,14 @@ impl Case {
     #[inline(never)]
     pub fn run(self, id: u32) -> u32 {
         let with = |scene: &Scene, camera| match self.way {
-            Way::Atrous => self.frames(scene, camera, &mut Atrous::for_spp(self.spp), id),
+            Way::Atrous if self.is_steadied => self.steadied(scene, camera, id),
+            Way::Atrous => self.frames(
+                scene,
+                camera,
+                &mut Atrous::for_spp(self.spp),
+                Default::default(),
+                id,
+            ),
             Way::Neural => self.neural(scene, camera, id),
         };
         self.scene.with(with).unwrap_or(0)
@@ -57,13 +66,28 @@ impl Case {
     fn neural(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
         let mut memory = [0; Neural::needs(SIZE)];
         match Neural::new(TRAINED, SIZE, self.spp, &mut memory) {
-            Ok(mut neural) => self.frames(scene, camera, &mut neural, id),
+            Ok(mut neural) => self.frames(scene, camera, &mut neural, Default::default(), id),
             Err(_) => 0,
         }
     }
 
     #[inline(never)]
-    fn frames(self, scene: &Scene, camera: Camera, filter: &mut impl Filter, id: u32) -> u32 {
+    fn steadied(self, scene: &Scene, camera: Camera, id: u32) -> u32 {
+        let (mut now, mut before) = ([Rgb9e5::BLACK; PIXELS], [Rgb9e5::BLACK; PIXELS]);
+        let pictures = [&mut now[..], &mut before[..]];
+        self.frames(scene, camera, &mut Atrous::for_spp(self.spp), pictures, id)
+    }
+
+    /// `pictures` are this frame's and the last's, if those are mixed, and empty if not.
+    #[inline(never)]
+    fn frames(
+        self,
+        scene: &Scene,
+        camera: Camera,
+        filter: &mut impl Filter,
+        [mut picture, mut last]: [&mut [Rgb9e5]; 2],
+        id: u32,
+    ) -> u32 {
         let (mut now, mut before) = ([Feature::default(); PIXELS], [Feature::default(); PIXELS]);
         let (mut lengths, mut lengths_before) = ([0; PIXELS], [0; PIXELS]);
         let mut rows = [Rgb9e5::BLACK; ROWS * SIZE.width as usize];
@@ -91,19 +115,43 @@ impl Case {
                 renderer.feature_tile(area, denoiser.frame());
             }
             let clean = region::count(id, || denoiser.denoise(Some(&motion), filter));
-            let mut show = |_, row: Row| {
-                for light in row.lights() {
-                    fingerprint::pixel(&mut crc, light);
-                }
+            let shown = Shown {
+                size: SIZE,
+                // Of the first frame there is none before.
+                lights: if frame == 0 { &[] } else { &*last },
+                motion: &motion,
             };
-            clean.rows(0..SIZE.height, &mut ring[..3 * SIZE.width as usize], &mut show);
+            let first = &mut ring[..3 * SIZE.width as usize];
+            if picture.is_empty() {
+                clean.rows(0..SIZE.height, first, |_, row| add(&mut crc, row.lights()));
+            } else {
+                clean.rows(0..SIZE.height, first, |y, row| {
+                    let kept = picture.iter_mut().skip(y as usize * SIZE.width as usize);
+                    for (kept, light) in kept.zip(row.steadied(y, &shown)) {
+                        *kept = light;
+                        fingerprint::pixel(&mut crc, light.decode());
+                    }
+                });
+                core::mem::swap(&mut picture, &mut last);
+            }
             if frame + 1 == FRAMES {
                 let fine = settings(2, 1);
                 let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
-                clean.rows_2x(0..fine.height, &mut ring, |x, y| guides.guide(x, y), show);
+                clean.rows_2x(
+                    0..fine.height,
+                    &mut ring,
+                    |x, y| guides.guide(x, y),
+                    |_, row| add(&mut crc, row.lights()),
+                );
             }
         }
         crc.value()
+    }
+}
+
+fn add(crc: &mut Crc, lights: impl Iterator<Item = Radiance>) {
+    for light in lights {
+        fingerprint::pixel(crc, light);
     }
 }
 

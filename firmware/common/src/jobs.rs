@@ -279,7 +279,26 @@ const fn denoised(
 ) -> Job {
     Job {
         name,
-        work: Work::Denoised(denoise::Case { scene, way, spp }),
+        work: Work::Denoised(denoise::Case {
+            scene,
+            way,
+            spp,
+            is_steadied: false,
+        }),
+        reach,
+    }
+}
+
+#[cfg(feature = "roomy")]
+const fn steadied(name: &'static str, scene: microlux::scene::builtin::Builtin, reach: Reach) -> Job {
+    Job {
+        name,
+        work: Work::Denoised(denoise::Case {
+            scene,
+            way: Atrous,
+            spp: 1,
+            is_steadied: true,
+        }),
         reach,
     }
 }
@@ -291,22 +310,27 @@ const DENOISED: &[Job] = &[
     denoised("cornell-atrous-4", Cornell, Atrous, 4, Reach::Quick),
     denoised("cornell-neural-1", Cornell, Neural, 1, Reach::Roomy),
     denoised("cornell-neural-4", Cornell, Neural, 4, Reach::Quick),
+    steadied("cornell-taa-1", Cornell, Reach::Roomy),
     denoised("spheres-atrous-1", Spheres, Atrous, 1, Reach::Roomy),
     denoised("spheres-atrous-4", Spheres, Atrous, 4, Reach::Quick),
     denoised("spheres-neural-1", Spheres, Neural, 1, Reach::Quick),
     denoised("spheres-neural-4", Spheres, Neural, 4, Reach::Quick),
+    steadied("spheres-taa-1", Spheres, Reach::Quick),
     denoised("torus-atrous-1", Torus, Atrous, 1, Reach::Quick),
     denoised("torus-atrous-4", Torus, Atrous, 4, Reach::Quick),
     denoised("torus-neural-1", Torus, Neural, 1, Reach::Quick),
     denoised("torus-neural-4", Torus, Neural, 4, Reach::Quick),
+    steadied("torus-taa-1", Torus, Reach::Quick),
     denoised("materials-atrous-1", Materials, Atrous, 1, Reach::Quick),
     denoised("materials-atrous-4", Materials, Atrous, 4, Reach::Quick),
     denoised("materials-neural-1", Materials, Neural, 1, Reach::Quick),
     denoised("materials-neural-4", Materials, Neural, 4, Reach::Quick),
+    steadied("materials-taa-1", Materials, Reach::Quick),
     denoised("sky-atrous-1", Sky, Atrous, 1, Reach::Quick),
     denoised("sky-atrous-4", Sky, Atrous, 4, Reach::Quick),
     denoised("sky-neural-1", Sky, Neural, 1, Reach::Quick),
     denoised("sky-neural-4", Sky, Neural, 4, Reach::Quick),
+    steadied("sky-taa-1", Sky, Reach::Quick),
 ];
 
 /// Pictures of no record.

@@ -10,12 +10,19 @@ use super::progress::Meter;
 use super::render::settings;
 use super::{Failure, source, stop};
 use crate::animate::{Animation, Flight, Shown};
+use crate::clean::Denoise;
 use crate::picture::{FileError, Format, Picture, Style, Target, animated_png};
 use crate::run::{self, Progress};
 
 pub fn animate(args: &AnimateArgs) -> Result<(), Failure> {
     let desc = source::load(&args.scene, args.quiet)?;
-    let options = args.settings.options(&desc);
+    let mut options = args.settings.options(&desc);
+    options.cleaning.taa = args.taa;
+    if args.taa && options.cleaning.denoise == Denoise::Off {
+        return Err(Failure::Wrong(
+            "--taa is of denoised frames: add --denoise atrous or neural".into(),
+        ));
+    }
     let flight = Flight {
         frames: args.frames,
         orbit: args.orbit,

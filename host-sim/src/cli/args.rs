@@ -135,7 +135,7 @@ Examples:
                                                an animated PNG
   host-sim animate spheres --frames 48 --dolly 1 -o frames
                                                frames/000.png, frames/001.png, ...
-  host-sim animate cornell --spp 4 --denoise atrous --orbit 10 --reference-spp 256 -o clip.png";
+  host-sim animate cornell --spp 4 --denoise neural --taa --orbit 10 --reference-spp 256 -o clip.png";
 
 /// Render a camera's flight through a scene, frame by frame.
 #[derive(Debug, Args)]
@@ -165,6 +165,10 @@ pub struct AnimateArgs {
     /// Frames a second of an animated PNG.
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(1..=1000))]
     pub fps: u16,
+    /// Show half of each denoised frame and half of what was shown before, followed as the camera moves: calmer. A board needs
+    /// 8 bytes more for each pixel that is shown.
+    #[arg(long)]
+    pub taa: bool,
     /// Write an animated PNG (NAME.png), or the frames into a folder.
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,

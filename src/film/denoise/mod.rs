@@ -4,6 +4,7 @@
 //! Renderer::feature_tile -> firefly clamp, history (accumulate) -> Filter (a-trous) -> times albedo
 //!                                  ^ where a pixel was: Reproject      `-> twice the size: upsample, times its albedo
 //! either, outlines without steps (outline), row by row -> what is shown
+//!                        half of it and half of what was shown before (taa), where there is room for two pictures
 //! ```
 //!
 //! All of it works on light before the albedo, so that no edge of a texture is blurred. Each pass writes rows that no
@@ -18,6 +19,7 @@ mod atrous;
 pub mod network;
 mod outline;
 mod pair;
+mod taa;
 mod upsample;
 mod weight;
 
@@ -25,6 +27,7 @@ pub use accumulate::{Band, Before, FIREFLY, Past, Reproject, accumulate};
 pub use atrous::{Atrous, Whole, beside};
 pub use outline::{Row, Seen};
 pub use pair::{Alone, Pair};
+pub use taa::Shown;
 pub use upsample::upsample;
 
 use core::ops::Range;

@@ -56,7 +56,11 @@ impl Seen {
         }
     }
 
-    fn depth(&self) -> u8 {
+    pub(super) fn light(&self) -> Rgb9e5 {
+        self.light
+    }
+
+    pub(super) fn depth(&self) -> u8 {
         (self.of >> 8) as u8
     }
 
@@ -84,6 +88,11 @@ static TONE: [u8; 256] = {
     table
 };
 
+/// What a light counts where what is shown is to be even.
+pub(super) fn tone(light: Rgb9e5) -> u32 {
+    u32::from(TONE[usize::from(luma_code(light))])
+}
+
 /// A row with those above and below it; at the picture's edge it is its own neighbour.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'r> {
@@ -93,16 +102,24 @@ pub struct Row<'r> {
 impl Row<'_> {
     /// From the left, each mixed with its neighbours if an outline is near.
     pub fn lights(&self) -> impl Iterator<Item = Radiance> {
-        (0..self.rows[1].len()).map(|x| self.light(x).decode())
+        (0..self.len()).map(|x| self.light(x).decode())
     }
 
-    fn light(&self, x: usize) -> Rgb9e5 {
-        let row = self.rows[1];
-        let Some(own) = row.get(x) else {
-            return Rgb9e5::BLACK;
-        };
-        let columns = [x.saturating_sub(1), x, (x + 1).min(row.len() - 1)];
-        let near = self.rows.map(|row| columns.map(|x| row.get(x).unwrap_or(own)));
+    pub(super) fn len(&self) -> usize {
+        self.rows[1].len()
+    }
+
+    /// The 3 × 3 about a pixel of the row.
+    pub(super) fn near(&self, x: usize) -> [[&Seen; 3]; 3] {
+        let last = self.len().saturating_sub(1);
+        let columns = [x.saturating_sub(1), x, x + 1].map(|x| x.min(last));
+        self.rows
+            .map(|row| columns.map(|x| row.get(x).unwrap_or(&Seen::NOTHING)))
+    }
+
+    pub(super) fn light(&self, x: usize) -> Rgb9e5 {
+        let near = self.near(x);
+        let own = near[1][1];
         // Most are all of one number and distance.
         let differs = near
             .iter()
@@ -128,10 +145,7 @@ impl Row<'_> {
         let shares = [[corner, side, corner], [side, own, side], [corner, side, corner]];
         for (seen, share) in near.iter().flatten().zip(shares.iter().flatten()) {
             // raw: 256 · 64 in all.
-            mean.add(
-                seen.light,
-                share * u32::from(TONE[usize::from(luma_code(seen.light))]),
-            );
+            mean.add(seen.light, share * tone(seen.light));
         }
         mean.light()
     }

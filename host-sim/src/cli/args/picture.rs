@@ -169,6 +169,7 @@ impl Settings {
             cleaning: Cleaning {
                 denoise: self.denoise.into(),
                 upscale: self.upscale.max(1),
+                taa: false,
             },
             ..own
         }

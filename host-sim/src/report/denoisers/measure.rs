@@ -182,8 +182,10 @@ impl Bench<'_> {
             .zip(cameras)
             .map(|(seed, camera)| stage.frame(*camera, size, 1, seed));
         let noisy = noisy.collect::<Result<Vec<Frame>, _>>()?;
-        let flown = |denoise, has_history: bool| -> Vec<Cleaned> {
-            clean::sequence(frames(&noisy[0], 1, denoise, 1), |sequence| {
+        let flown = |denoise, has_history: bool, taa: bool| -> Vec<Cleaned> {
+            let mut frames = frames(&noisy[0], 1, denoise, 1);
+            frames.cleaning.taa = taa;
+            clean::sequence(frames, |sequence| {
                 let one = |frame: &Frame| {
                     if !has_history {
                         sequence.forget();
@@ -194,14 +196,16 @@ impl Bench<'_> {
             })
         };
         let all = |cleaned: &[Cleaned]| cleaned.iter().map(pixels).collect::<Vec<Light>>();
-        let (ours, alone) = (flown(Denoise::Neural, true), flown(Denoise::Neural, false));
+        let [ours, unsteady] = [true, false].map(|taa| flown(Denoise::Neural, true, taa));
+        let alone = flown(Denoise::Neural, false, false);
         let mut made = vec![
             (
                 Method::Noisy,
                 noisy.iter().map(|frame| frame.light.clone()).collect(),
             ),
-            (Method::Atrous, all(&flown(Denoise::Atrous, true))),
+            (Method::Atrous, all(&flown(Denoise::Atrous, true, false))),
             (Method::OursAlone, all(&alone)),
+            (Method::OursUnsteady, all(&unsteady)),
             (Method::Ours, all(&ours)),
         ];
         if let Some(oidn) = &self.request.oidn {
@@ -259,7 +263,13 @@ impl Bench<'_> {
                 spp: 4,
                 whole: 1,
             };
-            let raised = clean::show(frames(&frame, 4, Denoise::Off, 2), stage.scene, camera, &clean);
+            let raised = clean::show(
+                frames(&frame, 4, Denoise::Off, 2),
+                stage.scene,
+                camera,
+                &clean,
+                None,
+            );
             made.extend([
                 (
                     Method::OidnBilinear,
@@ -291,7 +301,11 @@ fn frames(frame: &Frame, spp: u32, denoise: Denoise, upscale: u32) -> Frames {
         width: frame.width as u16 * upscale as u16,
         height: frame.height as u16 * upscale as u16,
         spp,
-        cleaning: Cleaning { denoise, upscale },
+        cleaning: Cleaning {
+            denoise,
+            upscale,
+            taa: false,
+        },
     }
 }
 

@@ -118,6 +118,8 @@ pub enum Method {
     Ours,
     /// The same, each frame by itself.
     OursAlone,
+    /// The same, without temporal antialiasing.
+    OursUnsteady,
     OidnFast,
     OidnHigh,
     OidnClean,
@@ -137,6 +139,7 @@ impl Method {
             Method::Bilateral => "joint bilateral",
             Method::Ours => "ours",
             Method::OursAlone => "ours, no history",
+            Method::OursUnsteady => "ours, no TAA",
             Method::OidnFast => "OIDN fast",
             Method::OidnHigh => "OIDN high",
             Method::OidnClean => "OIDN high, clean aux",
@@ -155,6 +158,7 @@ impl Method {
             Method::Bilateral => "joint_bilateral",
             Method::Ours => "ours",
             Method::OursAlone => "ours_without_history",
+            Method::OursUnsteady => "ours_without_taa",
             Method::OidnFast => "oidn_fast",
             Method::OidnHigh => "oidn_high",
             Method::OidnClean => "oidn_high_clean_aux",

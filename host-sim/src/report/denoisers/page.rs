@@ -200,7 +200,7 @@ fn colour(method: Method) -> usize {
         Method::Atrous => 2,
         Method::OidnGathered | Method::OidnUpsampled => 3,
         Method::OursAlone => 5,
-        Method::Bilateral | Method::OidnBilinear => 6,
+        Method::OursUnsteady | Method::Bilateral | Method::OidnBilinear => 6,
         Method::OidnFast | Method::OidnClean => 4,
         Method::Noisy => 7,
     }
