@@ -49,7 +49,8 @@ fn text(header: &Header, rows: &[Value]) -> Result<String> {
     text += "The second of two frames of the Cornell box, 80 × 60 pixels, *direct*, one sample each, the camera moving, by one core,\n\
         counted in QEMU: instructions a rendered pixel, and cycles of a Cortex-M0+ without wait states. Four pixels are shown for\n\
         each. Two runs were equal, and every core's picture is this computer's, by its CRC-32. What is not of the denoiser stands\n\
-        below the sums. The Cortex-M0+ has the feature `armv6m`.\n\n| stage |";
+        below the sums, and what a picture takes that is shown at the size it is rendered. The Cortex-M0+ has the feature\n\
+        `armv6m`.\n\n| stage |";
     let mut lines = Vec::new();
     for row in rows {
         write!(
@@ -112,7 +113,7 @@ mod tests {
     fn stages_add_up_by_the_pixel() {
         let row = |core: &str, cycles: Option<u64>| {
             let stage = |i: u64| json!({ "stage": format!("s{i}"), "instructions": 10 * i, "m0plus_cycles": cycles.map(|c| c * i) });
-            json!({ "core": core, "pixels": 10, "stages": (0..8).map(stage).collect::<Vec<_>>() })
+            json!({ "core": core, "pixels": 10, "stages": (0..10).map(stage).collect::<Vec<_>>() })
         };
         let header = Header {
             spp: 0,

@@ -4,7 +4,7 @@ use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
     film::denoise::network::{HEAD, Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
-    film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Seen, Size, accumulate},
+    film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Seen, Shown, Size, accumulate},
     integrator::Path,
     num::Crc,
     render::{Motion, Renderer, Settings},
@@ -23,7 +23,7 @@ const PIXELS: usize = SIZE.pixels();
 const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
 
 /// Stages by the number of their region.
-pub const STAGES: [&str; 8] = [
+pub const STAGES: [&str; 10] = [
     "firefly clamp, history",
     "à-trous, for 1 sample",
     "à-trous, for 4 samples",
@@ -32,6 +32,8 @@ pub const STAGES: [&str; 8] = [
     "twice the size, outlines",
     "first hits for that",
     "rendering, 1 sample",
+    "its own size, outlines",
+    "its own size, outlines and TAA",
 ];
 
 /// Memory for the second of two frames, and for what becomes of it.
@@ -45,6 +47,7 @@ struct Room {
     clean: [Rgb9e5; PIXELS],
     guides: [Feature; 4 * PIXELS],
     shown: [Radiance; 4 * PIXELS],
+    pictures: [[Rgb9e5; PIXELS]; 2],
     ring: [Seen; 3 * 2 * SIZE.width as usize],
 }
 
@@ -62,6 +65,7 @@ pub fn run(scene: Builtin) -> u32 {
         clean: [Rgb9e5::BLACK; PIXELS],
         guides: [Feature::default(); 4 * PIXELS],
         shown: [Radiance::BLACK; 4 * PIXELS],
+        pictures: [[Rgb9e5::BLACK; PIXELS]; 2],
         ring: [Seen::NOTHING; 3 * 2 * SIZE.width as usize],
     };
     fill(scene, &mut room).unwrap_or(0)
@@ -76,7 +80,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
         guides,
         ..
     } = room;
-    scene
+    let motion = scene
         .with(|scene, camera| {
             let cameras = [camera, moved(camera, 1)];
             let settings = Settings {
@@ -115,9 +119,10 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
             region::count(0, || {
                 accumulate(band(now, lengths, above, current), Some(&past), 1)
             });
+            motion
         })
         .ok()?;
-    Some(clean(room))
+    Some(clean(room, &motion))
 }
 
 /// All of a frame.
@@ -139,7 +144,7 @@ fn band<'a>(
 }
 
 /// From the frame with its history on.
-fn clean(room: &mut Room) -> u32 {
+fn clean(room: &mut Room, motion: &Motion) -> u32 {
     let Room {
         frames: [before, now],
         lengths: [_, lengths],
@@ -149,6 +154,7 @@ fn clean(room: &mut Room) -> u32 {
         clean: cleaned,
         guides,
         shown,
+        pictures: [last, picture],
         ring,
         ..
     } = room;
@@ -163,15 +169,40 @@ fn clean(room: &mut Room) -> u32 {
         }
     }
     let light = denoise::Scratch::over(before).light;
+    let clean = Clean {
+        size: SIZE,
+        frame: now,
+        light,
+        lengths,
+        spp: 1,
+        whole: 1,
+    };
+    region::count(8, || {
+        let mut rest = last.iter_mut();
+        clean.rows(0..SIZE.height, ring, |_, row| {
+            for (shown, light) in rest.by_ref().zip(row.lights()) {
+                *shown = Rgb9e5::encode(light);
+            }
+        });
+    });
+    // As if it had been what was shown before: the camera moved all the same.
+    let before = Shown {
+        size: SIZE,
+        lights: &last[..],
+        motion,
+    };
+    region::count(9, || {
+        let mut rest = picture.iter_mut();
+        clean.rows(0..SIZE.height, ring, |y, row| {
+            for (shown, light) in rest.by_ref().zip(row.steadied(y, &before)) {
+                *shown = light;
+            }
+        });
+    });
+    for light in picture {
+        crc.word(light.0);
+    }
     region::count(5, || {
-        let clean = Clean {
-            size: SIZE,
-            frame: now,
-            light,
-            lengths,
-            spp: 1,
-            whole: 1,
-        };
         let width = 2 * SIZE.width;
         let guide = |x: u16, y: u16| guides[y as usize * width as usize + x as usize];
         let mut rest = shown.iter_mut();
