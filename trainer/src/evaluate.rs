@@ -11,7 +11,7 @@ use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{Neural, TRAINED, Weights};
-use microlux::film::denoise::{Denoiser, Filter, Memory, ROWS, Seen, Size};
+use microlux::film::denoise::{self, Denoiser, Filter, Memory, ROWS, Seen};
 use microlux::film::feature::{Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
@@ -23,6 +23,7 @@ use crate::export;
 use crate::nn::{self, Light, Mode, Params};
 use crate::picture::Picture;
 use crate::scenes::Split;
+use crate::size::Size;
 use crate::train::State;
 
 #[derive(Clone, Debug, clap::Args)]
@@ -45,28 +46,19 @@ pub struct Options {
 }
 
 /// Light of each pixel, linear.
-type Rgb = Vec<[f32; 3]>;
+pub type Rgb = Vec<[f32; 3]>;
 
-pub fn run(options: &Options) -> Result<()> {
-    let shots = Shot::read_all(&options.data, Split::Test)?;
-    let validation = Shot::read_all(&options.data, Split::Validation)?;
-    let params = match &options.state {
-        Some(file) => State::read(file)?.params,
-        None => {
-            let (weights, biases) = TRAINED.tables();
-            Params {
-                weights: weights.iter().map(|&w| w.into()).collect(),
-                biases: biases.iter().map(|&b| b.into()).collect(),
-            }
-        }
-    };
-    let (weights, biases) = export::rounded(&params)?;
-    let weights = Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}"))?;
+/// Scenes that training never saw, of `count` samples a pixel, and what other filters make of them.
+pub struct Ground<'a> {
+    shots: &'a [Shot],
+    count: usize,
+    /// À-trous and joint bilateral: guides, and whether the clamp of fireflies comes before.
+    tuned: [(Guides, bool); 2],
+    oidn: Option<&'a Oidn>,
+}
 
-    let oidn = options.oidn.as_deref().map(Oidn::at).transpose();
-    let oidn = oidn.map_err(|error| anyhow!(error))?;
-    let mut text = String::new();
-    for count in [1, 4] {
+impl<'a> Ground<'a> {
+    pub fn new(shots: &'a [Shot], validation: &[Shot], count: usize, oidn: Option<&'a Oidn>) -> Ground<'a> {
         let clamped: Vec<Picture> = validation.iter().map(|s| Picture::whole(s, 0, count)).collect();
         let untouched: Vec<Picture> = validation.iter().map(|s| Picture::untouched(s, count)).collect();
         // Each with the clamp of fireflies or without, whichever is better for it.
@@ -74,6 +66,77 @@ pub fn run(options: &Options) -> Result<()> {
             let [(with, a), (without, b)] = [&clamped, &untouched].map(|p| classical::tune(p, kind));
             if with <= without { (a, true) } else { (b, false) }
         });
+        Ground {
+            shots,
+            count,
+            tuned,
+            oidn,
+        }
+    }
+
+    /// The noisy picture itself, à-trous, joint bilateral.
+    pub fn classical(&self, shot: &Shot) -> [Rgb; 3] {
+        let [atrous, bilateral] = [Kind::ATrous, Kind::Bilateral].map(|kind| {
+            let (guides, clamp) = &self.tuned[kind as usize];
+            let scene = if *clamp {
+                Picture::whole(shot, 0, self.count)
+            } else {
+                Picture::untouched(shot, self.count)
+            };
+            lit(&scene, &classical::filter(&scene, kind, guides))
+        });
+        [radiance(shot, self.count), atrous, bilateral]
+    }
+
+    /// Open Image Denoise, fast and high, if it is there.
+    pub fn oidn(&self, shot: &Shot) -> Result<Vec<Rgb>> {
+        let Some(oidn) = self.oidn else {
+            return Ok(Vec::new());
+        };
+        let scene = Picture::whole(shot, 0, self.count);
+        let noisy = radiance(shot, self.count);
+        let qualities = [Quality::Fast, Quality::High];
+        let each = qualities.map(|quality| by_oidn(oidn, quality, &scene, &noisy));
+        each.into_iter().collect()
+    }
+
+    /// The trainer's network.
+    pub fn network(&self, shot: &Shot, params: &Params, mode: Mode) -> Rgb {
+        let scene = Picture::whole(shot, 0, self.count);
+        let trace = nn::extract(&params.seen(mode), scene.input(), mode);
+        let light = nn::filter(&scene.irradiance, &trace.heads, mode)
+            .out
+            .swap_remove(0);
+        lit(&scene, &light)
+    }
+
+    /// PSNR (dB), SSIM and FLIP of one filter, the mean of all scenes.
+    pub fn mean(&self, filter: impl Fn(&Shot) -> Result<Rgb>) -> Result<[f64; 3]> {
+        let mut mean = [0.0; 3];
+        for shot in self.shots {
+            let values = measure(shot.side, &filter(shot)?, &shot.reference)?;
+            (0..3).for_each(|k| mean[k] += values[k] / self.shots.len() as f64);
+        }
+        Ok(mean)
+    }
+}
+
+pub fn oidn(folder: Option<&Path>) -> Result<Option<Oidn>> {
+    let oidn = folder.map(Oidn::at).transpose();
+    oidn.map_err(|error| anyhow!(error))
+}
+
+pub fn run(options: &Options) -> Result<()> {
+    let shots = Shot::read_all(&options.data, Split::Test)?;
+    let validation = Shot::read_all(&options.data, Split::Validation)?;
+    let params = params(options.state.as_deref())?;
+    let (weights, biases) = export::rounded(&params)?;
+    let weights = Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}"))?;
+
+    let oidn = oidn(options.oidn.as_deref())?;
+    let mut text = String::new();
+    for count in [1, 4] {
+        let ground = Ground::new(&shots, &validation, count, oidn.as_ref());
         let mut methods = vec![
             "noisy",
             "à-trous",
@@ -93,34 +156,10 @@ pub fn run(options: &Options) -> Result<()> {
         let mut each = String::new();
         for shot in &shots {
             bar.set_message(shot.name.clone());
-            let scene = Picture::whole(shot, 0, count);
-            let untouched = Picture::untouched(shot, count);
-            let noisy = radiance(shot, count);
-            let classical = |kind: Kind, (guides, clamp): &(Guides, bool)| {
-                let scene = if *clamp { &scene } else { &untouched };
-                lit(scene, &classical::filter(scene, kind, guides))
-            };
-            let seen = |mode| {
-                let params = params.seen(mode);
-                let trace = nn::extract(&params, scene.input(), mode);
-                let light = nn::filter(&scene.irradiance, &trace.heads, mode)
-                    .out
-                    .swap_remove(0);
-                lit(&scene, &light)
-            };
-            let mut results = vec![
-                noisy.clone(),
-                classical(Kind::ATrous, &tuned[0]),
-                classical(Kind::Bilateral, &tuned[1]),
-                seen(Mode::Float),
-                seen(Mode::Integer),
-                ours(weights, &untouched)?,
-            ];
-            if let Some(oidn) = &oidn {
-                for quality in [Quality::Fast, Quality::High] {
-                    results.push(by_oidn(oidn, quality, &scene, &noisy)?);
-                }
-            }
+            let mut results = ground.classical(shot).to_vec();
+            results.extend([Mode::Float, Mode::Integer].map(|mode| ground.network(shot, &params, mode)));
+            results.push(ours(weights, &Picture::untouched(shot, count))?);
+            results.extend(ground.oidn(shot)?);
             write!(each, "| `{}` |", shot.name)?;
             for (i, result) in results.iter().enumerate() {
                 let values = measure(shot.side, result, &shot.reference)?;
@@ -158,7 +197,7 @@ pub fn run(options: &Options) -> Result<()> {
             "--:|".repeat(methods.len())
         )?;
         writeln!(text, "{each}")?;
-        let [atrous, bilateral] = &tuned;
+        let [atrous, bilateral] = &ground.tuned;
         writeln!(
             text,
             "Guides (normal, distance, albedo, light): à-trous {atrous:?}, joint bilateral {bilateral:?}.\n"
@@ -167,6 +206,19 @@ pub fn run(options: &Options) -> Result<()> {
     fs::write(&options.out, &text)?;
     println!("{text}");
     Ok(())
+}
+
+/// Of a state, or those that the crate has.
+pub fn params(state: Option<&Path>) -> Result<Params> {
+    if let Some(file) = state {
+        return Ok(State::read(file)?.params);
+    }
+    let (weights, biases) = TRAINED.tables();
+    Ok(Params {
+        size: Size::S,
+        weights: weights.iter().map(|&w| w.into()).collect(),
+        biases: biases.iter().map(|&b| b.into()).collect(),
+    })
 }
 
 /// The noisy picture itself.
@@ -212,7 +264,7 @@ fn features(scene: &Picture) -> Vec<Feature> {
 
 /// By the core's denoiser, one frame without history.
 fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
-    let size = Size {
+    let size = denoise::Size {
         width: scene.width as u16,
         height: scene.height as u16,
     };
@@ -242,7 +294,7 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
 
 /// By the network, in the core.
 fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
-    let size = Size {
+    let size = denoise::Size {
         width: scene.width as u16,
         height: scene.height as u16,
     };

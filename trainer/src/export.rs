@@ -9,7 +9,7 @@ use anyhow::{Context, Result, anyhow, ensure};
 use microlux::film::denoise::network::{BIASES, LAYERS, WEIGHTS, Weights};
 use microlux::num::Crc;
 
-use crate::nn::{self, Mode, Params};
+use crate::nn::{Mode, Params};
 use crate::scenes::Split;
 use crate::train::State;
 
@@ -52,10 +52,9 @@ pub fn rounded(params: &Params) -> Result<(Box<[i8; WEIGHTS]>, Box<[i16; BIASES]
     let seen = params.seen(Mode::Integer);
     let weights: Vec<i8> = seen.weights.iter().map(|&w| w as i8).collect();
     let biases: Vec<i16> = seen.biases.iter().map(|&b| b as i16).collect();
-    let weights: Box<[i8; WEIGHTS]> = weights
-        .try_into()
-        .map_err(|_| anyhow!("weights: another number"))?;
-    let biases: Box<[i16; BIASES]> = biases.try_into().map_err(|_| anyhow!("biases: another number"))?;
+    let other = || anyhow!("size {}: the core has size s", params.size.name());
+    let weights: Box<[i8; WEIGHTS]> = weights.try_into().map_err(|_| other())?;
+    let biases: Box<[i16; BIASES]> = biases.try_into().map_err(|_| other())?;
     Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}: sums do not fit"))?;
     Ok((weights, biases))
 }
@@ -95,13 +94,13 @@ pub static TRAINED: Weights<'static> = match Weights::new(&TABLE, &BIAS) {{
     )?;
     writeln!(text, "#[rustfmt::skip]\nstatic TABLE: [i8; WEIGHTS] = [")?;
     for (number, layer) in LAYERS.iter().enumerate() {
-        let (from, _) = nn::place(number);
+        let (from, _) = state.params.size.place(number);
         let part = &weights[from..][..layer.taps * layer.inputs * layer.outputs];
         lines(&mut text, NAMES[number], part.iter().map(|w| i32::from(*w)))?;
     }
     writeln!(text, "];\n\n#[rustfmt::skip]\nstatic BIAS: [i16; BIASES] = [")?;
     for (number, layer) in LAYERS.iter().enumerate() {
-        let (_, from) = nn::place(number);
+        let (_, from) = state.params.size.place(number);
         lines(
             &mut text,
             NAMES[number],

@@ -1,12 +1,14 @@
 //! Data, training, export and evaluation of microlux's denoiser, one command each.
 
 mod classical;
+mod curve;
 mod data;
 mod evaluate;
 mod export;
 mod nn;
 mod picture;
 mod scenes;
+mod size;
 mod train;
 
 use anyhow::Result;
@@ -23,6 +25,8 @@ enum Trainer {
     Export(export::Options),
     /// Measure on scenes that training never saw, beside other filters
     Evaluate(evaluate::Options),
+    /// Train networks of several sizes alike and measure them: size against quality
+    Curve(curve::Options),
 }
 
 fn main() -> Result<()> {
@@ -31,5 +35,6 @@ fn main() -> Result<()> {
         Trainer::Train(options) => train::run(&options),
         Trainer::Export(options) => export::run(&options),
         Trainer::Evaluate(options) => evaluate::run(&options),
+        Trainer::Curve(options) => curve::run(&options),
     }
 }

@@ -5,8 +5,10 @@
 //! every sum is a whole number below 2^24, heads are the core's bit for bit. Backwards rounding counts as no change
 //! (straight through).
 
-use microlux::film::denoise::network::{BIASES, CHANNELS, EXP, HEAD, INPUTS, LAYERS, LEVELS, WEIGHTS};
+use microlux::film::denoise::network::{EXP, HEAD, INPUTS, LEVELS};
 use wide::f32x8;
+
+use crate::size::Size;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
@@ -19,15 +21,18 @@ pub enum Mode {
 /// Weights and biases in the core's order and units, not yet rounded.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Params {
+    pub size: Size,
     pub weights: Vec<f32>,
     pub biases: Vec<f32>,
 }
 
 impl Params {
-    pub fn zero() -> Params {
+    pub fn zero(size: Size) -> Params {
+        let (weights, biases) = size.place(size.layers().len());
         Params {
-            weights: vec![0.0; WEIGHTS],
-            biases: vec![0.0; BIASES],
+            size,
+            weights: vec![0.0; weights],
+            biases: vec![0.0; biases],
         }
     }
 
@@ -36,6 +41,7 @@ impl Params {
         match mode {
             Mode::Float => self.clone(),
             Mode::Integer => Params {
+                size: self.size,
                 weights: self
                     .weights
                     .iter()
@@ -49,15 +55,6 @@ impl Params {
             },
         }
     }
-}
-
-/// Where layer `number` begins among weights and among biases.
-pub fn place(number: usize) -> (usize, usize) {
-    let before = &LAYERS[..number];
-    (
-        before.iter().map(|l| l.taps * l.inputs * l.outputs).sum(),
-        before.iter().map(|l| l.outputs).sum(),
-    )
 }
 
 /// Channels of rows of numbers.
@@ -141,16 +138,17 @@ impl Padded {
     }
 }
 
-/// 3 × 3 over padded planes: `out` is smaller by 2 each way. Weights `[tap][input][output]`.
+/// 3 × 3 over padded planes, the outputs from `first` on: `out` is smaller by 2 each way. Weights `[tap][input][output]`.
 fn correlate<const OUT: usize>(
     input: &Padded,
     inputs: usize,
     weights: &[f32],
     bias: &[f32],
+    first: usize,
     out: &mut Planes,
 ) {
-    let (width, size) = (out.width, out.width * out.height);
-    let start: [f32; OUT] = core::array::from_fn(|o| bias.get(o).copied().unwrap_or(0.0));
+    let (width, size, outputs) = (out.width, out.width * out.height, out.channels);
+    let start: [f32; OUT] = core::array::from_fn(|o| bias.get(first + o).copied().unwrap_or(0.0));
     for y in 0..out.height {
         for x in (0..width).step_by(LANES) {
             let mut sums: [Lanes; OUT] = start.map(f32x8::splat);
@@ -159,7 +157,7 @@ fn correlate<const OUT: usize>(
                     let row = &input.row(i, y + ky)[x..x + LANES + 2];
                     for kx in 0..3 {
                         let v = load(&row[kx..]);
-                        let w: &[f32; OUT] = weights[((ky * 3 + kx) * inputs + i) * OUT..][..OUT]
+                        let w: &[f32; OUT] = weights[((ky * 3 + kx) * inputs + i) * outputs + first..][..OUT]
                             .try_into()
                             .expect("as many as outputs");
                         for o in 0..OUT {
@@ -169,19 +167,39 @@ fn correlate<const OUT: usize>(
                 }
             }
             let count = LANES.min(width - x);
-            for o in 0..OUT {
-                out.data[o * size + y * width + x..][..count].copy_from_slice(&sums[o].to_array()[..count]);
+            for (o, sum) in sums.iter().enumerate() {
+                let at = (first + o) * size + y * width + x;
+                out.data[at..][..count].copy_from_slice(&sum.to_array()[..count]);
             }
         }
     }
 }
 
 fn correlate_any(input: &Padded, inputs: usize, weights: &[f32], bias: &[f32], out: &mut Planes) {
-    match out.channels {
-        8 => correlate::<8>(input, inputs, weights, bias, out),
-        11 => correlate::<11>(input, inputs, weights, bias, out),
-        12 => correlate::<12>(input, inputs, weights, bias, out),
-        _ => correlate::<16>(input, inputs, weights, bias, out),
+    let mut first = 0;
+    while first < out.channels {
+        first += match out.channels - first {
+            4 => {
+                correlate::<4>(input, inputs, weights, bias, first, out);
+                4
+            }
+            8 => {
+                correlate::<8>(input, inputs, weights, bias, first, out);
+                8
+            }
+            INPUTS => {
+                correlate::<INPUTS>(input, inputs, weights, bias, first, out);
+                INPUTS
+            }
+            12 => {
+                correlate::<12>(input, inputs, weights, bias, first, out);
+                12
+            }
+            _ => {
+                correlate::<16>(input, inputs, weights, bias, first, out);
+                16
+            }
+        };
     }
 }
 
@@ -407,8 +425,8 @@ pub struct Trace {
 
 /// One layer's part of a table.
 fn part<'p>(params: &'p Params, number: usize) -> (&'p [f32], &'p [f32]) {
-    let (w, b) = place(number);
-    let layer = LAYERS[number];
+    let (w, b) = params.size.place(number);
+    let layer = params.size.layers()[number];
     (
         &params.weights[w..][..layer.taps * layer.inputs * layer.outputs],
         &params.biases[b..][..layer.outputs],
@@ -416,8 +434,8 @@ fn part<'p>(params: &'p Params, number: usize) -> (&'p [f32], &'p [f32]) {
 }
 
 fn part_mut<'p>(params: &'p mut Params, number: usize) -> (&'p mut [f32], &'p mut [f32]) {
-    let (w, b) = place(number);
-    let layer = LAYERS[number];
+    let (w, b) = params.size.place(number);
+    let layer = params.size.layers()[number];
     (
         &mut params.weights[w..][..layer.taps * layer.inputs * layer.outputs],
         &mut params.biases[b..][..layer.outputs],
@@ -426,7 +444,7 @@ fn part_mut<'p>(params: &'p mut Params, number: usize) -> (&'p mut [f32], &'p mu
 
 fn convolve(params: &Params, number: usize, input: &Planes, mode: Mode) -> (Planes, Vec<bool>) {
     let (weights, bias) = part(params, number);
-    let mut out = Planes::new(LAYERS[number].outputs, input.height, input.width);
+    let mut out = Planes::new(bias.len(), input.height, input.width);
     correlate_any(
         &Padded::of(input, 1, true),
         input.channels,
@@ -456,7 +474,7 @@ pub fn extract(params: &Params, input: Planes, mode: Mode) -> Trace {
         let coarse = up.last().map_or(&bottom.0, |(_, _, (planes, _))| planes);
         let joined = join(coarse, &down[level].0);
         let (weights, bias) = part(params, 5 + 2 * step);
-        let mut merged = mix(&joined, weights, bias, CHANNELS[level]);
+        let mut merged = mix(&joined, weights, bias, bias.len());
         let within = activate(&mut merged, mode);
         let convolved = convolve(params, 6 + 2 * step, &merged, mode);
         heads.push(head(params, level, &convolved.0, mode));
@@ -529,8 +547,9 @@ pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<[f32; HEAD]>], 
         let d = mix_back(joined, weights, &d, gw, gb);
         // Apart again: four fine pixels to one coarse one, and the skip.
         let size = d.height * d.width;
+        let [channels, coarse_channels] = [level, level + 1].map(|level| params.size.channels()[level]);
         let coarse = &trace.down[level + 1].0;
-        let mut above = Planes::new(CHANNELS[level + 1], coarse.height, coarse.width);
+        let mut above = Planes::new(coarse_channels, coarse.height, coarse.width);
         for c in 0..above.channels {
             for y in 0..d.height {
                 for x in 0..d.width {
@@ -539,7 +558,7 @@ pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<[f32; HEAD]>], 
                 }
             }
         }
-        let mut skip = Planes::new(CHANNELS[level], d.height, d.width);
+        let mut skip = Planes::new(channels, d.height, d.width);
         skip.data.copy_from_slice(&d.data[above.channels * size..]);
         skips.push(skip);
         from_finer = Some(above);

@@ -7,7 +7,6 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use microlux::film::denoise::network::{BIASES, LAYERS, WEIGHTS};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
@@ -16,24 +15,38 @@ use crate::data::{SAMPLES, Shot};
 use crate::nn::{self, Mode, Params};
 use crate::picture::{self, Picture};
 use crate::scenes::Split;
+use crate::size::Size;
 
 #[derive(Clone, Debug, clap::Args)]
 pub struct Options {
-    /// Folder that `data` filled
-    #[arg(long, default_value = "data")]
-    data: PathBuf,
+    /// Channels of the network
+    #[arg(long, value_enum, default_value_t)]
+    size: Size,
     /// File that training goes on from, if it is there, and leaves
     #[arg(long, default_value = "state.bin")]
     state: PathBuf,
     /// Text that gets a line every `--every` steps
     #[arg(long, default_value = "train.txt")]
     log: PathBuf,
-    /// Steps in all; the learning rate falls over them
-    #[arg(long, default_value_t = 20_000)]
-    steps: u32,
     /// Stop after this step, with the learning rate of `--steps`
     #[arg(long)]
     until: Option<u32>,
+    #[command(flatten)]
+    recipe: Recipe,
+    /// Threads; the weights are the same for any number
+    #[arg(long, default_value_t = 1)]
+    threads: usize,
+}
+
+/// With what, and how, a network of any size is trained.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Recipe {
+    /// Folder that `data` filled
+    #[arg(long, default_value = "data")]
+    pub data: PathBuf,
+    /// Steps in all; the learning rate falls over them
+    #[arg(long, default_value_t = 20_000)]
+    pub steps: u32,
     /// Crops a step
     #[arg(long, default_value_t = 4)]
     batch: u32,
@@ -50,13 +63,10 @@ pub struct Options {
     #[arg(long)]
     relative: bool,
     #[arg(long, default_value_t = 1)]
-    seed: u64,
+    pub seed: u64,
     /// Steps between lines of the log, and between states that are kept
     #[arg(long, default_value_t = 500)]
     every: u32,
-    /// Threads; the weights are the same for any number
-    #[arg(long, default_value_t = 1)]
-    threads: usize,
 }
 
 /// Weights, the optimiser's moments, and how far it is.
@@ -72,11 +82,11 @@ const MAGIC: &[u8; 8] = b"mlxstat1";
 
 impl State {
     /// He's uniform weights; nothing in the biases.
-    fn new(seed: u64) -> State {
+    fn new(size: Size, seed: u64) -> State {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
-        let mut params = Params::zero();
-        for (number, layer) in LAYERS.iter().enumerate() {
-            let (from, _) = nn::place(number);
+        let mut params = Params::zero(size);
+        for (number, layer) in size.layers().iter().enumerate() {
+            let (from, _) = size.place(number);
             let fan_in = (layer.taps * layer.inputs) as f32;
             let most = 64.0 * (3.0 / fan_in).sqrt() * if number >= 11 { 0.5 } else { 1.0 };
             for w in &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs] {
@@ -86,26 +96,30 @@ impl State {
         State {
             step: 0,
             params,
-            first: Params::zero(),
-            second: Params::zero(),
+            first: Params::zero(size),
+            second: Params::zero(size),
         }
     }
 
+    /// Of whichever size has as many numbers as the file.
     pub fn read(file: &Path) -> Result<State> {
         let bytes = fs::read(file).with_context(|| format!("{}", file.display()))?;
-        let numbers = 3 * (WEIGHTS + BIASES);
-        ensure!(
-            bytes.len() == 12 + 4 * numbers && &bytes[..8] == MAGIC,
-            "{}: not a state of this network",
-            file.display()
-        );
+        let numbers = |size: Size| {
+            let (weights, biases) = size.place(size.layers().len());
+            weights + biases
+        };
+        let mut sizes = Size::ALL.into_iter();
+        let size = sizes.find(|size| bytes.len() == 12 + 12 * numbers(*size) && &bytes[..8] == MAGIC);
+        let size = size.with_context(|| format!("{}: not a state of this network", file.display()))?;
         let step = u32::from_le_bytes([bytes[8], bytes[9], bytes[10], bytes[11]]);
         let mut floats = bytes[12..]
             .chunks_exact(4)
             .map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]]));
-        let mut params = || Params {
-            weights: floats.by_ref().take(WEIGHTS).collect(),
-            biases: floats.by_ref().take(BIASES).collect(),
+        let mut params = || {
+            let mut params = Params::zero(size);
+            let places = params.weights.iter_mut().chain(&mut params.biases);
+            places.zip(floats.by_ref()).for_each(|(place, x)| *place = x);
+            params
         };
         Ok(State {
             step,
@@ -175,8 +189,8 @@ pub fn bound(params: &mut Params) {
         .biases
         .iter_mut()
         .for_each(|b| *b = b.clamp(-32768.0, 32767.0));
-    for (number, layer) in LAYERS.iter().enumerate() {
-        let (from, _) = nn::place(number);
+    for (number, layer) in params.size.layers().iter().enumerate() {
+        let (from, _) = params.size.place(number);
         let weights = &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs];
         for output in 0..layer.outputs {
             for sign in [1.0f32, -1.0] {
@@ -231,41 +245,63 @@ pub fn quality(shots: &[Shot], params: Option<(&Params, Mode)>) -> [f64; 2] {
 }
 
 pub fn run(options: &Options) -> Result<()> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads)
-        .build()?;
-    pool.install(|| train(options))
+    let bar = ProgressBar::new(0);
+    let recipe = &options.recipe;
+    let until = options.until.unwrap_or(recipe.steps);
+    let state = by_threads(options.threads, || {
+        train(recipe, options.size, until, &options.state, &options.log, &bar)
+    })?;
+    bar.finish();
+    println!("{} steps: {}", state.step, options.state.display());
+    Ok(())
 }
 
-fn train(options: &Options) -> Result<()> {
-    let shots = Shot::read_all(&options.data, Split::Train)?;
-    let validation = Shot::read_all(&options.data, Split::Validation)?;
+pub fn by_threads<T: Send>(threads: usize, work: impl FnOnce() -> Result<T> + Send) -> Result<T> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+    pool.install(work)
+}
+
+/// Goes on from `file` up to step `until`, or all steps.
+pub fn train(
+    recipe: &Recipe,
+    size: Size,
+    until: u32,
+    file: &Path,
+    log: &Path,
+    bar: &ProgressBar,
+) -> Result<State> {
+    let shots = Shot::read_all(&recipe.data, Split::Train)?;
+    let validation = Shot::read_all(&recipe.data, Split::Validation)?;
     ensure!(
-        options.crop % 8 == 0 && shots.iter().all(|shot| shot.side >= options.crop),
+        recipe.crop % 8 == 0 && shots.iter().all(|shot| shot.side >= recipe.crop),
         "crops of {} do not fit the pictures, or 8",
-        options.crop
+        recipe.crop
     );
-    let mut state = if options.state.exists() {
-        State::read(&options.state)?
+    let mut state = if file.exists() {
+        State::read(file)?
     } else {
-        State::new(options.seed)
+        State::new(size, recipe.seed)
     };
-    let mut log = fs::OpenOptions::new()
-        .create(true)
-        .append(true)
-        .open(&options.log)?;
+    ensure!(
+        state.params.size == size,
+        "{}: a network of size {}",
+        file.display(),
+        state.params.size.name()
+    );
+    let mut log = fs::OpenOptions::new().create(true).append(true).open(log)?;
     if state.step == 0 {
         writeln!(
             log,
-            "# {} scenes, {} for validation; steps {}, batch {}, crop {}, rate {}, rounded from {}, seed {}",
+            "# size {}; {} scenes, {} for validation; steps {}, batch {}, crop {}, rate {}, rounded from {}, seed {}",
+            size.name(),
             shots.len(),
             validation.len(),
-            options.steps,
-            options.batch,
-            options.crop,
-            options.rate,
-            options.rounded_from,
-            options.seed
+            recipe.steps,
+            recipe.batch,
+            recipe.crop,
+            recipe.rate,
+            recipe.rounded_from,
+            recipe.seed
         )?;
         let [one, four] = quality(&validation, None);
         writeln!(
@@ -277,50 +313,46 @@ fn train(options: &Options) -> Result<()> {
             "# step  rate  loss  dB at 1 spp, 4 spp (as rounded at that step)  seconds"
         )?;
     }
-    let last = options
-        .until
-        .map_or(options.steps, |until| until.min(options.steps));
-    let bar = ProgressBar::new(u64::from(last)).with_style(ProgressStyle::with_template(
-        "{wide_bar} {pos}/{len} {per_sec} {eta} {msg}",
+    let last = until.min(recipe.steps);
+    bar.set_length(u64::from(last));
+    bar.set_style(ProgressStyle::with_template(
+        "{prefix}{wide_bar} {pos}/{len} {per_sec} {eta} {msg}",
     )?);
     let started = Instant::now();
     let mut losses = Vec::new();
-    let last = options
-        .until
-        .map_or(options.steps, |until| until.min(options.steps));
     while state.step < last {
         let step = state.step;
-        let share = step as f32 / options.steps as f32;
-        let mode = if share < options.rounded_from {
+        let share = step as f32 / recipe.steps as f32;
+        let mode = if share < recipe.rounded_from {
             Mode::Float
         } else {
             Mode::Integer
         };
         let cosine = 0.5 * (1.0 + (std::f32::consts::PI * share).cos());
-        let rate = options.rate * ((step + 1) as f32 / 100.0).min(1.0) * (0.99 * cosine + 0.01);
+        let rate = recipe.rate * ((step + 1) as f32 / 100.0).min(1.0) * (0.99 * cosine + 0.01);
         let seen = state.params.seen(mode);
         let one = |number: u32| {
-            let stream = options.seed << 40 | u64::from(step) << 8 | u64::from(number);
+            let stream = recipe.seed << 40 | u64::from(step) << 8 | u64::from(number);
             let mut rng = Pcg64Mcg::seed_from_u64(stream);
             let shot = &shots[rng.random_range(0..shots.len())];
             let count = [1, 1, 2, 4, 4, 8, 16][rng.random_range(0..7usize)];
             let from = rng.random_range(0..SAMPLES / count) * count;
-            let room = shot.side - options.crop;
+            let room = shot.side - recipe.crop;
             let place = [0; 2].map(|_| rng.random_range(0..=room));
-            let mut picture = Picture::cut(shot, from, count, place, options.crop);
+            let mut picture = Picture::cut(shot, from, count, place, recipe.crop);
             picture.vary(&mut rng);
-            let mut gradient = Params::zero();
+            let mut gradient = Params::zero(size);
             let loss = learn(&seen, &picture, mode, &mut gradient);
             (loss, gradient)
         };
         // In order, so that any number of threads adds up the same.
-        let parts: Vec<(f32, Params)> = (0..options.batch).into_par_iter().map(one).collect();
-        let mut gradient = Params::zero();
+        let parts: Vec<(f32, Params)> = (0..recipe.batch).into_par_iter().map(one).collect();
+        let mut gradient = Params::zero(size);
         let mut loss = 0.0;
         for (part, g) in &parts {
-            loss += part / options.batch as f32;
+            loss += part / recipe.batch as f32;
             // Flat below what the best pictures have.
-            let by = if options.relative {
+            let by = if recipe.relative {
                 0.03 / (part + 0.003)
             } else {
                 1.0
@@ -332,7 +364,7 @@ fn train(options: &Options) -> Result<()> {
         state.update(&gradient, rate);
         losses.push(loss);
         bar.set_position(u64::from(state.step));
-        if state.step % options.every == 0 || state.step == last {
+        if state.step % recipe.every == 0 || state.step == last {
             let [one, four] = quality(&validation, Some((&state.params, mode)));
             let mean = losses.iter().sum::<f32>() / losses.len() as f32;
             let seconds = started.elapsed().as_secs();
@@ -343,12 +375,10 @@ fn train(options: &Options) -> Result<()> {
             writeln!(log, "{line}")?;
             bar.set_message(line);
             losses.clear();
-            state.write(&options.state)?;
+            state.write(file)?;
         }
     }
-    bar.finish();
-    println!("{} steps: {}", state.step, options.state.display());
-    Ok(())
+    Ok(state)
 }
 
 #[cfg(test)]
@@ -384,22 +414,22 @@ mod tests {
     /// The gradient by hand is that of differences, for some weights of each layer, edges and odd sizes included.
     #[test]
     fn gradients_are_slopes() {
-        for side in [16, 13] {
+        for (side, size) in [(16, Size::S), (13, Size::S), (13, Size::Xl)] {
             let picture = picture(side, 3);
-            let mut params = State::new(5).params;
+            let mut params = State::new(size, 5).params;
             let mut rng = Pcg64Mcg::seed_from_u64(9);
             params
                 .biases
                 .iter_mut()
                 .for_each(|b| *b = rng.random_range(0.0..200.0));
-            let mut gradient = Params::zero();
+            let mut gradient = Params::zero(size);
             learn(&params, &picture, Mode::Float, &mut gradient);
             let value =
-                |params: &Params| f64::from(learn(params, &picture, Mode::Float, &mut Params::zero()));
+                |params: &Params| f64::from(learn(params, &picture, Mode::Float, &mut Params::zero(size)));
             let (mut agree, mut all) = (0, 0);
-            for number in 0..LAYERS.len() {
-                let (from, biases) = nn::place(number);
-                let layer = LAYERS[number];
+            for number in 0..size.layers().len() {
+                let (from, biases) = size.place(number);
+                let layer = size.layers()[number];
                 for _ in 0..6 {
                     let at = from + rng.random_range(0..layer.taps * layer.inputs * layer.outputs);
                     let step = 0.25;
@@ -423,7 +453,7 @@ mod tests {
                 agree += usize::from((slope - given).abs() <= 0.05 * slope.abs().max(given.abs()) + 1e-7);
             }
             // Kinks (largest of four, range of activations) lie between some.
-            assert!(agree * 10 >= all * 9, "{side}: {agree} of {all}");
+            assert!(agree * 10 >= all * 9, "{side}, {size:?}: {agree} of {all}");
         }
     }
 
@@ -437,7 +467,7 @@ mod tests {
             .into_iter()
             .enumerate()
         {
-            let mut params = State::new(seed as u64).params;
+            let mut params = State::new(Size::S, seed as u64).params;
             params.weights.iter_mut().for_each(|w| *w *= 3.0);
             params
                 .biases

@@ -1,4 +1,4 @@
-use super::{CHANNELS, HEAD, INPUTS};
+use super::{CHANNELS, HEAD, INPUTS, LEVELS};
 
 /// Weights of all layers together.
 pub const WEIGHTS: usize = {
@@ -40,27 +40,30 @@ const fn layer(taps: usize, inputs: usize, outputs: usize) -> Layer {
     }
 }
 
-const C: [usize; 4] = CHANNELS;
-
 /// Down through the sizes (0 ..= 3), once more at the coarsest (4); up again by a merge and a convolution each (5 ..= 10);
 /// heads from the finest on (11 ..= 14).
-pub const LAYERS: [Layer; 15] = [
-    layer(9, INPUTS, C[0]),
-    layer(9, C[0], C[1]),
-    layer(9, C[1], C[2]),
-    layer(9, C[2], C[3]),
-    layer(9, C[3], C[3]),
-    layer(1, C[3] + C[2], C[2]),
-    layer(9, C[2], C[2]),
-    layer(1, C[2] + C[1], C[1]),
-    layer(9, C[1], C[1]),
-    layer(1, C[1] + C[0], C[0]),
-    layer(9, C[0], C[0]),
-    layer(1, C[0], HEAD),
-    layer(1, C[1], HEAD),
-    layer(1, C[2], HEAD),
-    layer(1, C[3], HEAD),
-];
+pub const LAYERS: [Layer; 15] = layers(CHANNELS);
+
+/// The layers of a network of `c` channels at each size.
+pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
+    [
+        layer(9, INPUTS, c[0]),
+        layer(9, c[0], c[1]),
+        layer(9, c[1], c[2]),
+        layer(9, c[2], c[3]),
+        layer(9, c[3], c[3]),
+        layer(1, c[3] + c[2], c[2]),
+        layer(9, c[2], c[2]),
+        layer(1, c[2] + c[1], c[1]),
+        layer(9, c[1], c[1]),
+        layer(1, c[1] + c[0], c[0]),
+        layer(9, c[0], c[0]),
+        layer(1, c[0], HEAD),
+        layer(1, c[1], HEAD),
+        layer(1, c[2], HEAD),
+        layer(1, c[3], HEAD),
+    ]
+}
 
 /// What the network learned, checked.
 ///

@@ -28,7 +28,7 @@ mod weights;
 
 pub use filter::EXP;
 pub use input::{INPUTS, Input, exposure, irradiance};
-pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError};
+pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError, layers};
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
 
