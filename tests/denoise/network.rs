@@ -7,6 +7,7 @@ use microlux::film::denoise::network::{
     Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
+use microlux::film::feature::DEPTH_NOTHING;
 use microlux::num::Crc;
 
 use crate::{Backwards, Random, Threads};
@@ -364,7 +365,15 @@ fn a_filters_memory_does_not_matter() {
         let light: Vec<_> = frame.iter().map(irradiance).collect();
         let clean = denoised(TRAINED, [width.into(), height.into()], &light, input, 7);
         let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);
-        let expected: Vec<Rgb9e5> = clean.into_iter().map(encoded).collect();
+        let expected: Vec<Rgb9e5> = (0..count)
+            .map(|at| {
+                encoded(if frame[at].depth == DEPTH_NOTHING {
+                    light[at]
+                } else {
+                    clean[at]
+                })
+            })
+            .collect();
 
         let mut memory = vec![u32::MAX; Neural::needs(size)];
         let mut neural = Neural::new(TRAINED, size, 2, &mut memory).unwrap();
@@ -386,6 +395,46 @@ fn a_filters_memory_does_not_matter() {
         neural.filter(&Alone, size, &frame[1..], &lengths, denoise::Scratch::over(short));
         let black = denoise::Scratch::over(short).light;
         assert!(black.iter().all(|light| *light == Rgb9e5::BLACK));
+    }
+}
+
+/// What sees nothing keeps its light, whatever is beside it.
+#[test]
+fn what_sees_nothing_keeps_its_light() {
+    let size = Size {
+        width: 24,
+        height: 20,
+    };
+    let sky = Rgb9e5::from_bits([100, 200, 400], -12);
+    let frame: Vec<Feature> = (0..size.pixels())
+        .map(|at| {
+            let lit = at % 24 < 11 || at % 7 == 0;
+            Feature {
+                irradiance: if lit {
+                    Rgb9e5::from_bits([60_000; 3], -12)
+                } else {
+                    sky
+                },
+                albedo: [255; 3],
+                depth: if lit { 90 } else { DEPTH_NOTHING },
+                ..Feature::default()
+            }
+        })
+        .collect();
+    let mut memory = vec![0; Neural::needs(size)];
+    let mut neural = Neural::new(TRAINED, size, 1, &mut memory).unwrap();
+    let mut room = frame.clone();
+    let lengths = vec![1; size.pixels()];
+    neural.filter(
+        &Threads,
+        size,
+        &frame,
+        &lengths,
+        denoise::Scratch::over(&mut room),
+    );
+    let clean = denoise::Scratch::over(&mut room).light;
+    for (pixel, light) in frame.iter().zip(clean) {
+        assert!(pixel.depth != DEPTH_NOTHING || *light == sky);
     }
 }
 

@@ -104,9 +104,7 @@ impl<'a> Ground<'a> {
     pub fn network(&self, shot: &Shot, params: &Params, mode: Mode) -> Rgb {
         let scene = Picture::whole(shot, 0, self.count);
         let trace = nn::extract(&params.seen(mode), scene.input(), mode);
-        let light = nn::filter(&scene.irradiance, &trace.heads, mode)
-            .out
-            .swap_remove(0);
+        let light = scene.filter(&trace.heads, mode).out.swap_remove(0);
         lit(&scene, &light)
     }
 

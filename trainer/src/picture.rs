@@ -7,7 +7,7 @@ use rand::seq::SliceRandom;
 use rand_pcg::Pcg64Mcg;
 
 use crate::data::{SAMPLES, Shot};
-use crate::nn::{Light, Planes};
+use crate::nn::{self, Filtered, Heads, Light, Mode, Planes};
 
 /// A part of a shot, and what it should become.
 #[derive(Clone, Debug)]
@@ -122,6 +122,22 @@ impl Picture {
         } else {
             0
         }
+    }
+
+    /// Where nothing was hit: light is kept as it is there, as in the core.
+    fn nothing(&self, at: usize) -> bool {
+        self.depth[at] >= 254.5
+    }
+
+    /// By heads of this picture.
+    pub fn filter(&self, heads: &[Heads], mode: Mode) -> Filtered {
+        let mut filtered = nn::filter(&self.irradiance, heads, mode);
+        for (at, out) in filtered.out[0].iter_mut().enumerate() {
+            if self.nothing(at) {
+                *out = self.irradiance[at];
+            }
+        }
+        filtered
     }
 
     pub fn whole(shot: &Shot, from: usize, count: usize) -> Picture {
@@ -250,7 +266,10 @@ pub fn loss(picture: &Picture, out: &[Vec<Light>]) -> (f32, Vec<Vec<Light>>) {
         }
         let (loss, mut gradient) = near(width, &albedo, &reference, out);
         let counts = if level > 0 { COARSE } else { 1.0 };
-        gradient.iter_mut().for_each(|g| *g = g.map(|c| c * counts));
+        for (at, g) in gradient.iter_mut().enumerate() {
+            let kept = level == 0 && picture.nothing(at);
+            *g = if kept { [0.0; 4] } else { g.map(|c| c * counts) };
+        }
         sum += counts * loss;
         gradients.push(gradient);
     }

@@ -218,7 +218,7 @@ pub fn bound(params: &mut Params) {
 /// A crop's loss, its gradient added to `gradient`.
 fn learn(seen: &Params, picture: &Picture, mode: Mode, gradient: &mut Params) -> f32 {
     let trace = nn::extract(seen, picture.input(), mode);
-    let filtered = nn::filter(&picture.irradiance, &trace.heads, mode);
+    let filtered = picture.filter(&trace.heads, mode);
     let (loss, d) = picture::loss(picture, &filtered.out);
     let heads = nn::filter_back(&trace.heads, &filtered, d, mode);
     nn::extract_back(seen, &trace, &heads, gradient);
@@ -235,7 +235,7 @@ pub fn quality(shots: &[Shot], params: Option<(&Params, Mode)>) -> [f64; 2] {
                 Some((params, mode)) => {
                     let seen = params.seen(mode);
                     let trace = nn::extract(&seen, picture.input(), mode);
-                    let filtered = nn::filter(&picture.irradiance, &trace.heads, mode);
+                    let filtered = picture.filter(&trace.heads, mode);
                     picture::squared(&picture, &filtered.out[0])
                 }
             };

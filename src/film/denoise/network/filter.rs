@@ -119,7 +119,7 @@ impl Network<'_> {
         }
         self.filter_coarse(pair, &light);
         let last = Last::new(self.shape, self.scratch.fine, self.scratch.coarse);
-        last.filter(pair, light, out, make);
+        last.filter(pair, light, |_| false, out, make);
         Ok(())
     }
 
@@ -210,10 +210,12 @@ impl<'a> Last<'a> {
         }
     }
 
+    /// Pixels of which `keeps` is true have their own light.
     pub fn filter<T: Send>(
         self,
         pair: &impl Pair,
         light: impl Fn(usize) -> Light + Sync,
+        keeps: impl Fn(usize) -> bool + Sync,
         out: &mut [T],
         make: impl Fn(Light) -> T + Sync,
     ) {
@@ -238,7 +240,11 @@ impl<'a> Last<'a> {
                     heads: rows_about(heads, width, y),
                 };
                 for (x, out) in row.iter_mut().enumerate() {
-                    *out = make(near.filtered(x, y, Some(&coarse)));
+                    *out = make(if keeps(y * width + x) {
+                        near.light[1][x]
+                    } else {
+                        near.filtered(x, y, Some(&coarse))
+                    });
                 }
             }
         };
