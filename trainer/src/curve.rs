@@ -10,7 +10,6 @@ use plotters::prelude::*;
 
 use crate::data::Shot;
 use crate::evaluate::{self, Ground};
-use crate::nn::Mode;
 use crate::scenes::Split;
 use crate::size::Size;
 use crate::train::{self, Recipe, State};
@@ -85,11 +84,11 @@ fn learn(options: &Options, sizes: &[Size]) -> Result<Vec<State>> {
 type Ours = Vec<(Size, Quality)>;
 type Others = Vec<(&'static str, Quality)>;
 
-/// The rounded networks, and others beside them, on the test scenes.
+/// The rounded networks in the core's place, and others beside them, on the test scenes.
 fn measure(options: &Options, states: &[State]) -> Result<(Ours, Others)> {
     let shots = Shot::read_all(&options.recipe.data, Split::Test)?;
     let validation = Shot::read_all(&options.recipe.data, Split::Validation)?;
-    let oidn = evaluate::oidn(options.oidn.as_deref())?;
+    let oidn = evaluate::open_image_denoise(options.oidn.as_deref())?;
     let others = if oidn.is_some() { &OTHERS[..] } else { &OTHERS[..3] };
     let mut of_ours: Ours = states
         .iter()
@@ -101,7 +100,7 @@ fn measure(options: &Options, states: &[State]) -> Result<(Ours, Others)> {
     for (k, count) in COUNTS.into_iter().enumerate() {
         let ground = Ground::new(&shots, &validation, count, oidn.as_ref());
         for ((_, quality), state) in of_ours.iter_mut().zip(states) {
-            quality[k] = ground.mean(|shot| Ok(ground.network(shot, &state.params, Mode::Integer)))?;
+            quality[k] = ground.mean(|shot| ground.in_core(shot, &state.params))?;
             bar.inc(1);
         }
         for (i, (_, quality)) in of_others.iter_mut().enumerate() {
@@ -153,6 +152,8 @@ fn thousands(number: usize) -> String {
 }
 
 const PANEL: (u32, u32) = (320, 240);
+/// The panel with room for it.
+const LEGEND: usize = 1;
 const METRICS: [&str; 3] = ["PSNR, dB", "SSIM", "FLIP"];
 const INK: RGBColor = RGBColor(31, 120, 180);
 const COLOURS: [RGBColor; 4] = [
@@ -192,7 +193,7 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
             .margin(6)
             .x_label_area_size(32)
             .y_label_area_size(48)
-            .build_cartesian_2d((least..most).log_scale(), low - edge..high + edge)?;
+            .build_cartesian_2d((least..most).log_scale(), low - edge..high + 2.0 * edge)?;
         let digits = if metric == 0 { 1 } else { 3 };
         chart
             .configure_mesh()
@@ -227,10 +228,10 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
                 + Text::new(size.name().to_uppercase(), (-5, -18), ("sans-serif", 12))
         }))?;
         // One legend for all: more would hide curves.
-        if at == 0 {
+        if at == LEGEND {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::MiddleRight)
+                .position(SeriesLabelPosition::MiddleLeft)
                 .background_style(WHITE.mix(0.8))
                 .label_font(("sans-serif", 11))
                 .draw()?;

@@ -6,13 +6,13 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, anyhow};
 use host_sim::metrics::Metrics;
-use host_sim::oidn::{Input, Oidn, Quality};
+use host_sim::oidn::{self, Oidn, Quality};
 use host_sim::picture;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
-use microlux::film::denoise::network::{Neural, TRAINED, Weights};
-use microlux::film::denoise::{self, Denoiser, Filter, Memory, ROWS, Seen};
-use microlux::film::feature::{Feature, albedo_code};
+use microlux::film::denoise::network::{INPUTS, Input, Neural, TRAINED, Weights, exposure, irradiance};
+use microlux::film::denoise::{self, Denoiser, Filter, Memory, Pair, ROWS, Seen};
+use microlux::film::feature::{DEPTH_NOTHING, Feature, albedo_code};
 use microlux::geom::{Dir, Octahedral};
 use microlux::num::Share;
 use microlux::render::Motion;
@@ -20,7 +20,7 @@ use microlux::render::Motion;
 use crate::classical::{self, Guides, Kind};
 use crate::data::{SAMPLES, Shot};
 use crate::export;
-use crate::nn::{self, Light, Mode, Params};
+use crate::nn::{self, Light, Mode, Params, Planes};
 use crate::picture::Picture;
 use crate::scenes::Split;
 use crate::size::Size;
@@ -100,6 +100,17 @@ impl<'a> Ground<'a> {
         each.into_iter().collect()
     }
 
+    /// The rounded network of any size in the core's place: between the core's clamp and its mixing of outlines, its filter in
+    /// `f32`.
+    pub fn in_core(&self, shot: &Shot, params: &Params) -> Result<Rgb> {
+        let scene = Picture::untouched(shot, self.count);
+        let mut filter = InCore {
+            params: params.seen(Mode::Integer),
+            samples: self.count as u32,
+        };
+        core(&mut filter, &scene)
+    }
+
     /// The trainer's network.
     pub fn network(&self, shot: &Shot, params: &Params, mode: Mode) -> Rgb {
         let scene = Picture::whole(shot, 0, self.count);
@@ -119,7 +130,7 @@ impl<'a> Ground<'a> {
     }
 }
 
-pub fn oidn(folder: Option<&Path>) -> Result<Option<Oidn>> {
+pub fn open_image_denoise(folder: Option<&Path>) -> Result<Option<Oidn>> {
     let oidn = folder.map(Oidn::at).transpose();
     oidn.map_err(|error| anyhow!(error))
 }
@@ -131,7 +142,7 @@ pub fn run(options: &Options) -> Result<()> {
     let (weights, biases) = export::rounded(&params)?;
     let weights = Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}"))?;
 
-    let oidn = oidn(options.oidn.as_deref())?;
+    let oidn = open_image_denoise(options.oidn.as_deref())?;
     let mut text = String::new();
     for count in [1, 4] {
         let ground = Ground::new(&shots, &validation, count, oidn.as_ref());
@@ -301,9 +312,49 @@ fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
     core(&mut neural, scene)
 }
 
+/// [`Neural`] by the trainer's means.
+struct InCore {
+    params: Params,
+    samples: u32,
+}
+
+impl Filter for InCore {
+    fn filter(
+        &mut self,
+        _: &impl Pair,
+        size: denoise::Size,
+        frame: &[Feature],
+        lengths: &[u8],
+        scratch: denoise::Scratch,
+    ) {
+        let exposure = exposure(frame);
+        let mut input = Planes::new(INPUTS, size.height.into(), size.width.into());
+        for (at, (pixel, length)) in frame.iter().zip(lengths).enumerate() {
+            let seen = Input::new(pixel, self.samples * u32::from(*length), exposure);
+            for (channel, value) in seen.to_bits().into_iter().enumerate() {
+                input.data[channel * frame.len() + at] = value.into();
+            }
+        }
+        let own: Vec<Light> = frame
+            .iter()
+            .map(|pixel| {
+                let [r, g, b] = irradiance(pixel).map(f32::from);
+                [r, g, b, 0.0]
+            })
+            .collect();
+        let trace = nn::extract(&self.params, input, Mode::Integer);
+        let filtered = nn::filter(&own, &trace.heads, Mode::Integer);
+        for (at, light) in scratch.light.iter_mut().enumerate() {
+            let nothing = frame[at].depth == DEPTH_NOTHING;
+            let [r, g, b, _] = if nothing { own[at] } else { filtered.out[0][at] };
+            *light = Rgb9e5::from_bits([r, g, b].map(|c| (c + 0.5) as u32), -12);
+        }
+    }
+}
+
 /// By Open Image Denoise, with albedo and normals of the same few samples.
 fn by_oidn(oidn: &Oidn, quality: Quality, scene: &Picture, noisy: &Rgb) -> Result<Rgb> {
-    let input = Input {
+    let input = oidn::Input {
         width: scene.width,
         light: noisy,
         albedo: &scene.albedo,
@@ -347,7 +398,6 @@ fn strip(file: &Path, side: usize, pictures: &[Rgb]) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use microlux::film::denoise::Off;
-    use microlux::film::denoise::network::exposure;
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
