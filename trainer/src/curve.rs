@@ -151,9 +151,7 @@ fn thousands(number: usize) -> String {
     }
 }
 
-const PANEL: (u32, u32) = (320, 240);
-/// The panel with room for it.
-const LEGEND: usize = 1;
+const PANEL: (u32, u32) = (320, 280);
 const METRICS: [&str; 3] = ["PSNR, dB", "SSIM", "FLIP"];
 const INK: RGBColor = RGBColor(31, 120, 180);
 const COLOURS: [RGBColor; 4] = [
@@ -193,7 +191,7 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
             .margin(6)
             .x_label_area_size(32)
             .y_label_area_size(48)
-            .build_cartesian_2d((least..most).log_scale(), low - edge..high + 2.0 * edge)?;
+            .build_cartesian_2d((least..most).log_scale().base(2.0), low - edge..high + 2.0 * edge)?;
         let digits = if metric == 0 { 1 } else { 3 };
         chart
             .configure_mesh()
@@ -218,22 +216,19 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
             .iter()
             .map(|(size, quality)| (size.products(), quality[k][metric]))
             .collect();
-        chart
-            .draw_series(LineSeries::new(points.clone(), INK.stroke_width(2)))?
-            .label("ours")
-            .legend(|(x, y)| PathElement::new([(x, y), (x + 14, y)], INK.stroke_width(2)));
+        chart.draw_series(LineSeries::new(points.clone(), INK.stroke_width(2)))?;
         chart.draw_series(ours.iter().zip(points).map(|((size, _), point)| {
             EmptyElement::at(point)
                 + Circle::new((0, 0), 4, INK.filled())
                 + Text::new(size.name().to_uppercase(), (-5, -18), ("sans-serif", 12))
         }))?;
-        // One legend for all: more would hide curves.
-        if at == LEGEND {
+        // One legend for all, where there is room.
+        if at == 0 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::MiddleLeft)
+                .position(SeriesLabelPosition::Coordinate(6, 46))
                 .background_style(WHITE.mix(0.8))
-                .label_font(("sans-serif", 11))
+                .label_font(("sans-serif", 10))
                 .draw()?;
         }
     }

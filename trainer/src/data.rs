@@ -10,7 +10,8 @@ use host_sim::desc::{GeometryDesc, LightDesc, SceneDesc};
 use host_sim::quantise::CoreScene;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, mean_q32};
-use microlux::film::feature::{DEPTH_NOTHING, depth_code};
+use microlux::film::Feature;
+use microlux::film::feature::{self, DEPTH_NOTHING, ID_NOTHING, Sum, depth_code};
 use microlux::integrator::{First, Integrator, Path as PathTracer, View};
 use microlux::sampler::{Sampler, Sobol};
 use rand::{Rng, SeedableRng};
@@ -81,23 +82,18 @@ pub struct Options {
     threads: usize,
 }
 
-/// The scenes of a split, each with the number that seeds its exposure and its noise.
-fn scenes(split: Split, options: &Options) -> Vec<(SceneDesc, u32, bool)> {
+/// The scenes of a split, `each` of a family, and for each the number that seeds its exposure and its noise.
+fn scenes(split: Split, each: u32, side: u32) -> Vec<(SceneDesc, u32, bool)> {
     let (families, hand) = split.families();
-    let each = match split {
-        Split::Train => options.scenes.div_ceil(families.len() as u32),
-        Split::Validation => options.scenes.div_ceil(10 * families.len() as u32),
-        Split::Test => options.test_scenes,
-    };
     let made = (0..each).flat_map(|n| {
         families
             .iter()
-            .map(move |f| (f.scene(n, options.side), n * 16 + *f as u32, true))
+            .map(move |f| (f.scene(n, side), n * 16 + *f as u32, true))
     });
     let hand = hand
         .iter()
         .zip(1 << 16..)
-        .map(|(name, seed)| (by_hand(name, options.side), seed, false));
+        .map(|(name, seed)| (by_hand(name, side), seed, false));
     made.chain(hand).collect()
 }
 
@@ -118,7 +114,13 @@ pub fn run(options: &Options) -> Result<()> {
             Split::Validation => options.validation_spp,
             Split::Test => options.test_spp,
         };
-        let scenes = scenes(split, options);
+        let families = split.families().0.len() as u32;
+        let each = match split {
+            Split::Train => options.scenes.div_ceil(families),
+            Split::Validation => options.scenes.div_ceil(10 * families),
+            Split::Test => options.test_scenes,
+        };
+        let scenes = scenes(split, each, options.side);
         let bar = ProgressBar::new(scenes.len() as u64).with_style(ProgressStyle::with_template(
             "{prefix:10} {wide_bar} {pos}/{len} {eta} {msg}",
         )?);
@@ -144,13 +146,63 @@ pub fn run(options: &Options) -> Result<()> {
     Ok(())
 }
 
-/// Samples and reference of one scene. `dim`: its lights are first made brighter or darker, to an exposure drawn from
-/// `seed`.
+/// Samples and reference of one scene; for `dim` see [`lit`].
 fn shoot(desc: &SceneDesc, seed: u32, dim: bool, spp: u32) -> Result<Shot> {
-    let mut desc = desc.clone();
+    let desc = lit(desc, seed, dim)?;
     let side = desc.width as usize;
+    // Two sequences: the noisy samples are none of the reference's.
+    let mut samples = Vec::new();
+    trace(&desc, side, 2 * seed + 1, SAMPLES as u32, |seen| {
+        samples.push(seen.map_or(Sample::default(), |(light, first)| sample(light, first)));
+    })?;
+    let reference = trace(&desc, side, 2 * seed, spp, |_| ())?;
+    Ok(Shot {
+        name: desc.name.clone(),
+        side,
+        samples,
+        reference,
+        reference_spp: spp,
+    })
+}
+
+/// The film's pixels of the first `count` samples of a shot for test, rendered once more: numbers of things are not in its
+/// file.
+pub fn frame(shot: &Shot, count: usize) -> Result<Vec<Feature>> {
+    let number = shot.name.rsplit('-').next().and_then(|n| n.parse::<u32>().ok());
+    let scenes = scenes(Split::Test, number.map_or(0, |n| n + 1), shot.side as u32);
+    let scene = scenes.iter().find(|(desc, ..)| desc.name == shot.name);
+    let (desc, seed, dim) = scene.with_context(|| format!("{}: no scene for test", shot.name))?;
+    let (mut pixels, mut sum, mut samples) = (Vec::new(), Sum::default(), 0);
+    trace(
+        &lit(desc, *seed, *dim)?,
+        shot.side,
+        2 * seed + 1,
+        count as u32,
+        |seen| {
+            if let Some((radiance, first)) = seen {
+                let id = first.distance.map_or(ID_NOTHING, |_| first.id);
+                sum.add(&feature::Sample {
+                    radiance,
+                    albedo: first.albedo,
+                    normal: first.normal,
+                    distance: first.distance,
+                    id: feature::first_id(id, first.bounces),
+                });
+            }
+            samples += 1;
+            if samples % count == 0 {
+                pixels.push(core::mem::take(&mut sum).mean());
+            }
+        },
+    )?;
+    Ok(pixels)
+}
+
+/// `dim`: a scene's lights are made brighter or darker, to an exposure drawn from `seed`.
+fn lit(desc: &SceneDesc, seed: u32, dim: bool) -> Result<SceneDesc> {
+    let mut desc = desc.clone();
     if dim {
-        let (small, _) = trace(&desc, 24, seed ^ 0x5eed, 8, false)?;
+        let small = trace(&desc, 24, seed ^ 0x5eed, 8, |_| ())?;
         // What is black all over has no exposure.
         let seen: Vec<f64> = small.iter().map(|[r, g, b]| f64::from(r + g + b)).collect();
         let most = seen.iter().copied().fold(1e-6, f64::max);
@@ -164,26 +216,17 @@ fn shoot(desc: &SceneDesc, seed: u32, dim: bool, spp: u32) -> Result<Shot> {
         let wanted = 0.03 * 16f64.powf(rng.random_range(0.0..1.0));
         brighten(&mut desc, wanted / mean);
     }
-    // Two sequences: the noisy samples are none of the reference's.
-    let (_, samples) = trace(&desc, side, 2 * seed + 1, SAMPLES as u32, true)?;
-    let (reference, _) = trace(&desc, side, 2 * seed, spp, false)?;
-    Ok(Shot {
-        name: desc.name.clone(),
-        side,
-        samples,
-        reference,
-        reference_spp: spp,
-    })
+    Ok(desc)
 }
 
-/// Means of radiance, and each sample if asked for.
+/// Means of radiance; `seen` is told each sample, pixel by pixel, where there is a ray.
 fn trace(
     desc: &SceneDesc,
     side: usize,
     seed: u32,
     spp: u32,
-    keep: bool,
-) -> Result<(Vec<[f32; 3]>, Vec<Sample>)> {
+    mut seen: impl FnMut(Option<(Radiance, &First)>),
+) -> Result<Vec<[f32; 3]>> {
     let core = CoreScene::new(desc)?;
     let lent = core.lend();
     let scene = core.scene(&lent)?;
@@ -198,7 +241,7 @@ fn trace(
         hide_emitters: false,
     };
     let mut sampler = Sobol::new(seed);
-    let (mut means, mut samples) = (Vec::new(), Vec::new());
+    let mut means = Vec::new();
     for y in 0..side as u16 {
         for x in 0..side as u16 {
             let mut sum = [0u64; 3];
@@ -209,11 +252,9 @@ fn trace(
                 if let Some(ray) = film.ray(x, y, place, lens) {
                     let (found, first) = tracer.sense(&view, ray, &mut sampler, &mut 0);
                     light = found;
-                    if keep {
-                        samples.push(sample(light, &first));
-                    }
-                } else if keep {
-                    samples.push(Sample::default());
+                    seen(Some((light, &first)));
+                } else {
+                    seen(None);
                 }
                 sum.iter_mut()
                     .zip(light.to_q32())
@@ -222,7 +263,7 @@ fn trace(
             means.push(linear(mean_q32(sum, spp)));
         }
     }
-    Ok((means, samples))
+    Ok(means)
 }
 
 fn linear(light: Radiance) -> [f32; 3] {

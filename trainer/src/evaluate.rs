@@ -12,13 +12,11 @@ use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{INPUTS, Input, Neural, TRAINED, Weights, exposure, irradiance};
 use microlux::film::denoise::{self, Denoiser, Filter, Memory, Pair, ROWS, Seen};
-use microlux::film::feature::{DEPTH_NOTHING, Feature, albedo_code};
-use microlux::geom::{Dir, Octahedral};
-use microlux::num::Share;
+use microlux::film::feature::{DEPTH_NOTHING, Feature};
 use microlux::render::Motion;
 
 use crate::classical::{self, Guides, Kind};
-use crate::data::{SAMPLES, Shot};
+use crate::data::{self, SAMPLES, Shot};
 use crate::export;
 use crate::nn::{self, Light, Mode, Params, Planes};
 use crate::picture::Picture;
@@ -103,12 +101,11 @@ impl<'a> Ground<'a> {
     /// The rounded network of any size in the core's place: between the core's clamp and its mixing of outlines, its filter in
     /// `f32`.
     pub fn in_core(&self, shot: &Shot, params: &Params) -> Result<Rgb> {
-        let scene = Picture::untouched(shot, self.count);
         let mut filter = InCore {
             params: params.seen(Mode::Integer),
             samples: self.count as u32,
         };
-        core(&mut filter, &scene)
+        core(&mut filter, data::frame(shot, self.count)?, shot.side, self.count)
     }
 
     /// The trainer's network.
@@ -167,7 +164,7 @@ pub fn run(options: &Options) -> Result<()> {
             bar.set_message(shot.name.clone());
             let mut results = ground.classical(shot).to_vec();
             results.extend([Mode::Float, Mode::Integer].map(|mode| ground.network(shot, &params, mode)));
-            results.push(ours(weights, &Picture::untouched(shot, count))?);
+            results.push(ours(weights, shot, count)?);
             results.extend(ground.oidn(shot)?);
             write!(each, "| `{}` |", shot.name)?;
             for (i, result) in results.iter().enumerate() {
@@ -253,33 +250,12 @@ fn lit(scene: &Picture, light: &[Light]) -> Rgb {
         .collect()
 }
 
-/// Features as the film has them.
-fn features(scene: &Picture) -> Vec<Feature> {
-    (0..scene.depth.len())
-        .map(|at| {
-            let [r, g, b, _] = scene.irradiance[at].map(|c| (c * 65536.0) as u32);
-            let share = |a: f32| Share::from_bits((a * 32768.0).round() as u16);
-            let normal = scene.normal[at].map(|c| (c * 65536.0) as i32);
-            Feature {
-                irradiance: Rgb9e5::from_bits([r, g, b], -16),
-                albedo: scene.albedo[at].map(|a| albedo_code(share(a))),
-                depth: scene.depth[at].round() as u8,
-                normal: Octahedral::encode(Dir::new(normal).unwrap_or(Dir::Z)),
-                id: 0,
-            }
-        })
-        .collect()
-}
-
 /// By the core's denoiser, one frame without history.
-fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
-    let size = denoise::Size {
-        width: scene.width as u16,
-        height: scene.height as u16,
-    };
-    let mut frames = [features(scene), vec![Feature::default(); size.pixels()]];
+fn core(filter: &mut impl Filter, frame: Vec<Feature>, width: usize, samples: usize) -> Result<Rgb> {
+    let size = size(&frame, width);
+    let mut frames = [frame, vec![Feature::default(); size.pixels()]];
     let mut lengths = [vec![0; size.pixels()], vec![0; size.pixels()]];
-    let mut rows = vec![Rgb9e5::BLACK; ROWS * scene.width];
+    let mut rows = vec![Rgb9e5::BLACK; ROWS * width];
     let [a, b] = &mut frames;
     let [c, d] = &mut lengths;
     let memory = Memory {
@@ -287,13 +263,13 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
         lengths: [c, d],
         rows: &mut rows,
     };
-    let mut denoiser = Denoiser::new(size, scene.samples, memory)?;
+    let mut denoiser = Denoiser::new(size, samples as u32, memory)?;
     let clean = denoiser.denoise(None::<&Motion>, filter);
     let linear = |light: Radiance| {
         let (m, e) = light.to_parts();
         m.map(|m| f32::from(m) * (f32::from(e) - 15.0).exp2())
     };
-    let mut ring = vec![Seen::default(); 3 * scene.width];
+    let mut ring = vec![Seen::default(); 3 * width];
     let mut pixels = Vec::new();
     clean.rows(0..size.height, &mut ring, |_, row| {
         pixels.extend(row.lights().map(linear))
@@ -301,15 +277,20 @@ fn core(filter: &mut impl Filter, scene: &Picture) -> Result<Rgb> {
     Ok(pixels)
 }
 
+fn size(frame: &[Feature], width: usize) -> denoise::Size {
+    denoise::Size {
+        width: width as u16,
+        height: (frame.len() / width) as u16,
+    }
+}
+
 /// By the network, in the core.
-fn ours(weights: Weights, scene: &Picture) -> Result<Rgb> {
-    let size = denoise::Size {
-        width: scene.width as u16,
-        height: scene.height as u16,
-    };
+fn ours(weights: Weights, shot: &Shot, count: usize) -> Result<Rgb> {
+    let frame = data::frame(shot, count)?;
+    let size = size(&frame, shot.side);
     let mut memory = vec![0; Neural::needs(size)];
-    let mut neural = Neural::new(weights, size, scene.samples, &mut memory)?;
-    core(&mut neural, scene)
+    let mut neural = Neural::new(weights, size, count as u32, &mut memory)?;
+    core(&mut neural, frame, shot.side, count)
 }
 
 /// [`Neural`] by the trainer's means.
@@ -401,7 +382,29 @@ mod tests {
     use rand::{Rng, SeedableRng};
     use rand_pcg::Pcg64Mcg;
 
+    use microlux::film::feature::albedo_code;
+    use microlux::geom::{Dir, Octahedral};
+    use microlux::num::Share;
+
     use super::*;
+
+    /// Features as the film has them.
+    fn features(scene: &Picture) -> Vec<Feature> {
+        (0..scene.depth.len())
+            .map(|at| {
+                let [r, g, b, _] = scene.irradiance[at].map(|c| (c * 65536.0) as u32);
+                let share = |a: f32| Share::from_bits((a * 32768.0).round() as u16);
+                let normal = scene.normal[at].map(|c| (c * 65536.0) as i32);
+                Feature {
+                    irradiance: Rgb9e5::from_bits([r, g, b], -16),
+                    albedo: scene.albedo[at].map(|a| albedo_code(share(a))),
+                    depth: scene.depth[at].round() as u8,
+                    normal: Octahedral::encode(Dir::new(normal).unwrap_or(Dir::Z)),
+                    id: 0,
+                }
+            })
+            .collect()
+    }
 
     /// Fireflies are clamped, and exposures judged, as the core does.
     #[test]
@@ -434,7 +437,7 @@ mod tests {
                 samples: 1,
                 exposure: 0,
             };
-            let by_core = core(&mut Off, &scene).unwrap();
+            let by_core = core(&mut Off, features(&scene), width, 1).unwrap();
             scene.clamp();
             let mut clamped = 0;
             for (at, (a, b)) in by_core.iter().zip(&scene.irradiance).enumerate() {
