@@ -226,8 +226,8 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
         if at == 0 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::Coordinate(6, 46))
-                .background_style(WHITE.mix(0.8))
+                .position(SeriesLabelPosition::Coordinate(6, 45))
+                .background_style(TRANSPARENT)
                 .label_font(("sans-serif", 10))
                 .draw()?;
         }
