@@ -3,9 +3,7 @@
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::geom::Ray;
-#[cfg(target_arch = "x86_64")]
-use crate::shape::sse2;
-use crate::shape::triangle::{Seen, TriangleHit, intersect};
+use crate::shape::triangle::TriangleHit;
 use crate::shape::{DEPTH_BITS, GridRay, MeshHit, Slopes, Triangles};
 use core::ops::ControlFlow;
 
@@ -13,12 +11,14 @@ use core::ops::ControlFlow;
 ///
 /// `nodes` is the mesh's tree, of [`super::build_mesh`] or past [`super::check_mesh`].
 pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
-    let ray = GridRay::enter(mesh.grid(), ray, slopes)?;
+    // By reference: to take it out would copy it.
+    let entered = GridRay::enter(mesh.grid(), ray, slopes);
+    let ray = entered.as_ref()?;
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
     let mut nearest = Nearest::within(mesh, depth);
-    traverse(nodes, &ray, &mut nearest);
-    nearest.hit(&ray, t_max)
+    traverse(nodes, ray, &mut nearest);
+    nearest.hit(ray, t_max)
 }
 
 /// The same answer from all triangles in turn.
@@ -31,7 +31,8 @@ pub fn closest_linear(mesh: &Triangles, ray: &Ray, slopes: &Slopes, t_max: i32) 
 
 /// Whether anything is hit at a distance under `t_max`: exactly where [`closest`] answers something.
 pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> bool {
-    let Some(ray) = GridRay::enter(mesh.grid(), ray, slopes) else {
+    let entered = GridRay::enter(mesh.grid(), ray, slopes);
+    let Some(ray) = &entered else {
         return false;
     };
     let mut any = Any {
@@ -40,7 +41,7 @@ pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_
         t_max,
         found: false,
     };
-    traverse(nodes, &ray, &mut any);
+    traverse(nodes, ray, &mut any);
     any.found
 }
 
@@ -102,15 +103,7 @@ impl<'a> Nearest<'a> {
         }
     }
 
-    /// Keeps the triangle if it is nearer than what there is.
-    #[cfg_attr(narrow_mul, inline(never))]
-    #[cfg_attr(not(narrow_mul), inline(always))]
-    fn ask(&mut self, ray: &GridRay, corners: &[Seen; 3], number: u32) {
-        if let Some(hit) = intersect(ray, corners) {
-            self.keep(number, hit);
-        }
-    }
-
+    /// Keeps a hit if it is nearer than what there is.
     #[inline(always)]
     fn keep(&mut self, number: u32, hit: TriangleHit) {
         if hit.depth < self.hit.depth || (hit.depth == self.hit.depth && number < self.triangle) {
@@ -137,19 +130,11 @@ impl Visitor for Nearest<'_> {
         self.hit.depth >> DEPTH_BITS
     }
 
-    #[cfg_attr(narrow_mul, inline(never))]
-    #[cfg_attr(not(narrow_mul), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let mesh = self.mesh;
-        #[cfg(target_arch = "x86_64")]
-        if let Triangles::Plain(mesh) = mesh {
-            return sse2::of_leaf::<K>(mesh, ray, base, leaf, |number, hit| {
-                self.keep(number, hit);
-                ControlFlow::Continue(())
-            });
-        }
-        mesh.of_leaf::<K>(ray, base, leaf, |number, corners| {
-            self.ask(ray, corners, number);
+        self.mesh.of_leaf::<K>(ray, base, leaf, |number, hit| {
+            self.keep(number, hit);
             ControlFlow::Continue(())
         })
     }
@@ -171,34 +156,19 @@ impl Visitor for Any<'_> {
         self.limit
     }
 
-    #[cfg_attr(narrow_mul, inline(never))]
-    #[cfg_attr(not(narrow_mul), inline(always))]
+    #[cfg_attr(target_pointer_width = "32", inline(never))]
+    #[cfg_attr(not(target_pointer_width = "32"), inline(always))]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let met = self.any_of::<K>(ray, base, leaf);
+        let met = self
+            .mesh
+            .of_leaf::<K>(ray, base, leaf, |_, hit| self.within(ray, hit));
         self.found = met.is_break();
         met
     }
 }
 
 impl Any<'_> {
-    /// Breaks at a triangle of the leaf that is in the way.
-    #[inline(always)]
-    fn any_of<const K: usize>(&self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        #[cfg(target_arch = "x86_64")]
-        if let Triangles::Plain(mesh) = self.mesh {
-            return sse2::of_leaf::<K>(mesh, ray, base, leaf, |_, hit| self.within(ray, hit));
-        }
-        self.mesh
-            .of_leaf::<K>(ray, base, leaf, |_, corners| self.ask(ray, corners))
-    }
-
-    /// Breaks if the triangle is in the way.
-    #[cfg_attr(narrow_mul, inline(never))]
-    #[cfg_attr(not(narrow_mul), inline(always))]
-    fn ask(&self, ray: &GridRay, corners: &[Seen; 3]) -> ControlFlow<()> {
-        intersect(ray, corners).map_or(ControlFlow::Continue(()), |hit| self.within(ray, hit))
-    }
-
+    /// Breaks at a hit that is in the way.
     #[inline(always)]
     fn within(&self, ray: &GridRay, hit: TriangleHit) -> ControlFlow<()> {
         if ray.distance(hit.depth) < self.t_max {

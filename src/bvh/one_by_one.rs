@@ -41,7 +41,9 @@ impl<'a> OneByOne<'a> {
     #[inline(always)]
     pub fn hit_mask<const K: usize>(&mut self, node: &Node, limit: i32) -> u32 {
         let origin = from_origin::<K>(node, self.ray);
-        let (mask, bounds) = hit_mask::<K>(node, self.ray, origin, limit);
+        // Backwards from −limit to 0 along the axis, else from 0 to the limit.
+        let from = -limit & self.flip;
+        let (mask, bounds) = hit_mask::<K>(node, self.ray, origin, from, from + limit);
         (self.origin, self.bounds) = (origin, bounds);
         mask
     }
@@ -111,9 +113,8 @@ fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
 
 /// Bit i: the ray may meet child i before the limit. (Slots without a child may be set.)
 #[inline(always)]
-fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, limit: i32) -> (u32, [i32; 2]) {
+fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, from: i32, to: i32) -> (u32, [i32; 2]) {
     let e = node.exponent & 15;
-    let (from, to) = if ray.negative { (-limit, 0) } else { (0, limit) };
     let (from, to) = ((from - origin) >> e, (to - origin) >> e);
     // Most nodes lie between where the ray starts and its limit as a whole.
     let mask = if from <= 0 && to >= 255 {

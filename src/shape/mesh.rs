@@ -95,7 +95,12 @@ impl<'a> TriangleMesh<'a> {
     /// The three vertices of a triangle, grid coordinates.
     #[inline]
     pub fn corners(&self, triangle: u32) -> Option<[[u16; 3]; 3]> {
-        Some(corners(self.vertices, *self.triangles.get(triangle as usize)?)?.map(|v| *v))
+        Some(self.vertices_of(triangle)?.map(|v| *v))
+    }
+
+    #[inline(always)]
+    pub(crate) fn vertices_of(&self, triangle: u32) -> Option<[&[u16; 3]; 3]> {
+        corners(self.vertices, *self.triangles.get(triangle as usize)?)
     }
 
     /// Of all triangles, grid coordinates.

@@ -9,13 +9,15 @@ mod grid;
 mod implicit;
 mod instance;
 mod mesh;
+#[cfg(any(test, not(target_arch = "x86_64")))]
+mod one_by_one;
 mod packed;
 mod planar;
 pub mod polygon;
 mod sight;
 mod sphere;
 #[cfg(target_arch = "x86_64")]
-pub(crate) mod sse2;
+mod sse2;
 pub(crate) mod triangle;
 mod triangles;
 

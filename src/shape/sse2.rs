@@ -22,7 +22,7 @@ use safe_arch::{
 /// Where the ray meets each triangle of a leaf that it does meet, with its number, until `met` breaks: the leaf as
 /// [`super::Triangles::of_leaf`] has it.
 #[inline(always)]
-pub(crate) fn of_leaf<const K: usize>(
+pub(super) fn of_leaf<const K: usize>(
     mesh: &TriangleMesh,
     ray: &GridRay,
     base: u32,
@@ -115,7 +115,8 @@ fn across<const K: usize>(ray: &GridRay, two: m128i) -> m128i {
 mod tests {
     use super::*;
     use crate::geom::{Dir, Point, Ray};
-    use crate::shape::{Grid, Slopes};
+    use crate::shape::one_by_one;
+    use crate::shape::{Attributes, Grid, Slopes};
 
     /// Triangles of all sizes, at the ray, at its very corners and edges, and far from it: bit for bit what one product
     /// after the other gives.
@@ -184,6 +185,14 @@ mod tests {
                 .iter()
                 .any(|aside| !(-1 << 28..1 << 28).contains(aside))
         });
-        (at_once[0], triangle::intersect(ray, &seen), large)
+        let mesh = TriangleMesh {
+            grid: Grid::new(Point([0; 3]), 0).unwrap(),
+            vertices: &[*a, *b, *c],
+            triangles: &[[0, 1, 2]],
+            attributes: Attributes::NONE,
+        };
+        let one_by_one = one_by_one::intersect_of::<K>(ray, &mesh, 0);
+        assert_eq!(one_by_one, triangle::intersect(ray, &seen));
+        (at_once[0], one_by_one, large)
     }
 }

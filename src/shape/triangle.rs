@@ -54,39 +54,96 @@ impl Seen {
 }
 
 /// The closed triangle against the ray ahead of its origin; a triangle the ray sees edge-on is missed.
-#[inline(always)]
+#[cfg_attr(narrow_mul, inline(never))]
+#[cfg_attr(not(narrow_mul), inline(always))]
 pub(crate) fn intersect(ray: &GridRay, corners: &[Seen; 3]) -> Option<TriangleHit> {
     let [a, b, c] = corners;
-    let ([ax, ay], [bx, by], [cx, cy]) = (a.at, b.at, c.at);
-    let z = [a.z, b.z, c.z];
-    let size = |x: i32| x ^ (x >> 31);
-    if size(ax) | size(ay) | size(bx) | size(by) | size(cx) | size(cy) >= 1 << 15 {
-        let [u, v, w] = large_edges([[ax, ay], [bx, by], [cx, cy]])?;
-        return meet(ray, [u, v, w], z);
+    let [x, y] = [0, 1].map(|along| [a.at[along], b.at[along], c.at[along]]);
+    if is_beside(x) || is_beside(y) {
+        return None;
     }
+    meet(ray, edges(x, y)?, [a.z, b.z, c.z])
+}
+
+/// All below zero, or all above: then the ray lies in no triangle of such corners.
+///
+/// Where no edge function has another sign than the rest, weights that are theirs put zero between the corners.
+#[inline(always)]
+pub(super) fn is_beside([a, b, c]: [i32; 3]) -> bool {
+    (a & b & c) | (-a & -b & -c) < 0
+}
+
+/// The edge functions' magnitudes, up to a common factor; `None` if the ray passes by, or they are all 0.
+#[inline(always)]
+pub(super) fn edges(x: [i32; 3], y: [i32; 3]) -> Option<[u32; 3]> {
+    // All within −2^15 ..= 2^15 − 1, or else large.
+    let high = |at: [i32; 3]| at.map(|at| at.wrapping_add(1 << 15) as u32);
+    let ([ax, bx, cx], [ay, by, cy]) = (high(x), high(y));
+    if (ax | bx | cx | ay | by | cy) >> 16 != 0 {
+        return large_edges(x, y);
+    }
+    let ([ax, bx, cx], [ay, by, cy]) = (x, y);
     let u = cx * by - cy * bx;
     let w = bx * ay - by * ax;
-    if opposite(u, w) {
+    if differ([u, w]) {
         return None;
     }
     let v = ax * cy - ay * cx;
-    if opposite(u, v) || opposite(v, w) || (u | v | w) == 0 {
+    if differ([u, v, w]) || (u | v | w) == 0 {
         return None;
     }
-    meet(ray, [u.unsigned_abs(), v.unsigned_abs(), w.unsigned_abs()], z)
+    Some([u, v, w].map(i32::unsigned_abs))
+}
+
+/// Whether one lies below zero and one above. (−2^31 is not among them.)
+#[inline(always)]
+fn differ<const N: usize>(parts: [i32; N]) -> bool {
+    let below = parts.iter().fold(0, |all, part| all | part);
+    let above = parts.iter().fold(0, |all, part| all | -part);
+    below & above < 0
+}
+
+/// [`edges`] of a triangle of which the ray sees more than 2^15 steps.
+#[inline(always)]
+fn large_edges(x: [i32; 3], y: [i32; 3]) -> Option<[u32; 3]> {
+    #[cfg(narrow_mul)]
+    return narrow_edges(x, y);
+    #[cfg(not(narrow_mul))]
+    return wide_edges(x, y);
+}
+
+/// [`large_edges`] where products have 64 bits.
+#[cfg(any(not(narrow_mul), test))]
+#[inline(always)]
+fn wide_edges(x: [i32; 3], y: [i32; 3]) -> Option<[u32; 3]> {
+    let ([ax, bx, cx], [ay, by, cy]) = (x.map(i64::from), y.map(i64::from));
+    // Each under 2^37.
+    let [u, v, w] = [cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax];
+    // If none has another sign than the rest, it is that of their sum.
+    let sign = (u + v + w) >> 63;
+    let [u, v, w] = [u, v, w].map(|part| (part ^ sign) - sign);
+    let all = u | v | w;
+    if all <= 0 {
+        return None;
+    }
+    Some(if all < 1 << 30 {
+        [u, v, w].map(|part| part as u32)
+    } else {
+        [u, v, w].map(|part| (part >> 7) as u32)
+    })
 }
 
 /// One below and one above zero.
+#[cfg(any(narrow_mul, test))]
 #[inline(always)]
 fn opposite(a: i32, b: i32) -> bool {
     (a ^ b) < 0 && a != 0 && b != 0
 }
 
-/// The edge functions' magnitudes, up to a common factor, of a triangle of which the ray sees more than 2^15 steps;
-/// `None` if it passes by.
-#[cold]
+/// [`large_edges`] in products of 32 bits.
+#[cfg(any(narrow_mul, test))]
 #[inline(never)]
-fn large_edges([[ax, ay], [bx, by], [cx, cy]]: [[i32; 2]; 3]) -> Option<[u32; 3]> {
+fn narrow_edges([ax, bx, cx]: [i32; 3], [ay, by, cy]: [i32; 3]) -> Option<[u32; 3]> {
     let u = Edge::new(cx, by, cy, bx);
     let w = Edge::new(bx, ay, by, ax);
     let (su, sw) = (u.sign(), w.sign());
@@ -125,11 +182,13 @@ impl Edge {
     }
 
     /// Negative, zero or positive as the value is.
+    #[cfg(any(narrow_mul, test))]
     #[inline]
     fn sign(self) -> i32 {
         self.high | (self.low != 0) as i32
     }
 
+    #[cfg(any(narrow_mul, test))]
     #[inline]
     fn abs(self) -> Edge {
         if self.high >= 0 {
@@ -186,6 +245,55 @@ pub(super) fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [i32; 3]) -> Option<Tr
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Small and large triangles, many of them with corners on an axis or at the origin.
+    fn corners() -> impl Iterator<Item = [[i32; 3]; 2]> {
+        let mut s = 3u32;
+        let mut r = move || {
+            s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+            ((s ^ (s >> 15)) as i32) >> (14 + (s & 15))
+        };
+        (0..200_000).map(move |round| {
+            let mut some = || [0; 3].map(|_| if r() & 15 == 0 { 0 } else { r() >> (round & 7) });
+            [some(), some()]
+        })
+    }
+
+    #[test]
+    fn edges_in_one_word_in_two_and_in_64_bits_are_the_same() {
+        let mut met = [0; 2];
+        for [x, y] in corners() {
+            let narrow = narrow_edges(x, y);
+            assert_eq!(wide_edges(x, y), narrow, "{x:?} {y:?}");
+            let is_small = x.iter().chain(&y).all(|at| (-1 << 15..1 << 15).contains(at));
+            let found = edges(x, y);
+            assert_eq!(found.is_some(), narrow.is_some());
+            if is_small {
+                let exact = |a: usize, b: usize| (x[a] * y[b] - y[a] * x[b]).unsigned_abs();
+                assert!(found.is_none_or(|found| found == [exact(2, 1), exact(0, 2), exact(1, 0)]));
+            } else {
+                assert_eq!(found, narrow);
+            }
+            met[is_small as usize] += found.is_some() as u32;
+        }
+        assert!(met.iter().all(|&met| met > 3_000), "{met:?}");
+    }
+
+    #[test]
+    fn what_lies_beside_is_met_by_no_ray() {
+        let mut beside = 0;
+        for [x, y] in corners().filter(|&[x, y]| is_beside(x) || is_beside(y)) {
+            assert_eq!(narrow_edges(x, y), None, "{x:?} {y:?}");
+            beside += 1;
+        }
+        assert!(beside > 50_000, "{beside}");
+        assert!(
+            !is_beside([0, 5, 9])
+                && !is_beside([-1, 0, -1])
+                && is_beside([1, 1, 1])
+                && is_beside([-1, -9, -1])
+        );
+    }
 
     #[test]
     fn edges_in_two_words_are_exact() {

@@ -1,8 +1,12 @@
 use super::attributes::Layers;
 use super::grid::{Bounds, Grid, GridRay};
-use super::mesh::{MeshHit, TriangleMesh, corners};
+use super::mesh::{MeshHit, TriangleMesh};
+#[cfg(not(target_arch = "x86_64"))]
+use super::one_by_one::of_leaf as of_plain_leaf;
 use super::packed::PackedMesh;
-use super::triangle::{Edge, Seen};
+#[cfg(target_arch = "x86_64")]
+use super::sse2::of_leaf as of_plain_leaf;
+use super::triangle::{Edge, Seen, TriangleHit, intersect};
 use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
 use crate::num::{ONE_Q16, Wide, mul_q16};
@@ -256,46 +260,39 @@ fn of_corners<T: Copy>(mesh: &TriangleMesh, list: &[T], triangle: u32) -> Option
 }
 
 impl Triangles<'_> {
-    /// The corners of each triangle of a leaf as the ray sees them, with its number, until `each` breaks.
+    /// Where the ray meets each triangle of a leaf that it does meet, with its number, until `met` breaks.
     ///
-    /// Of a node's primitive base, and the leaf's count · 16 + offset from it; none if the mesh has not got them all. `K` is the
-    /// ray's dominant axis.
+    /// Of a node's primitive base, and the leaf's count · 16 + offset from it; what of them the mesh has not got is met by
+    /// nothing. `K` is the ray's dominant axis.
     #[inline(always)]
     pub(crate) fn of_leaf<const K: usize>(
         &self,
         ray: &GridRay,
         base: u32,
         leaf: u32,
-        mut each: impl FnMut(u32, &[Seen; 3]) -> ControlFlow<()>,
+        mut met: impl FnMut(u32, TriangleHit) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
         match self {
-            Triangles::Plain(mesh) => {
-                let first = (base + (leaf & 15)) as usize;
-                let triangles = mesh.triangles.get(first..first + (leaf >> 4) as usize);
-                for (number, &triangle) in (first as u32..).zip(triangles.unwrap_or(&[])) {
-                    // One that names a vertex there is not is hit by nothing.
-                    if let Some([a, b, c]) = corners(mesh.vertices, triangle) {
-                        each(number, &[see(a), see(b), see(c)])?;
-                    }
-                }
-            }
+            Triangles::Plain(mesh) => of_plain_leaf::<K>(mesh, ray, base, leaf, met),
             Triangles::Packed(mesh) => {
+                let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
                 let strip = mesh.leaf(base, leaf >> 2 & 3);
                 let Some(mut strip) = strip.and_then(|strip| strip.begin(mesh, see)) else {
                     return ControlFlow::Continue(());
                 };
                 let first = base << 4 | leaf & 12;
-                each(first, &strip.corners)?;
-                for number in 1..leaf >> 4 {
-                    if strip.advance(mesh, see).is_none() {
-                        break;
+                let mut number = first;
+                loop {
+                    if let Some(hit) = intersect(ray, &strip.corners) {
+                        met(number, hit)?;
                     }
-                    each(first + number, &strip.corners)?;
+                    number += 1;
+                    if number - first >= leaf >> 4 || strip.advance(mesh, see).is_none() {
+                        return ControlFlow::Continue(());
+                    }
                 }
             }
         }
-        ControlFlow::Continue(())
     }
 }
 

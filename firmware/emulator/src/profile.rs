@@ -73,7 +73,7 @@ const WORK: [(&str, [&str; 2]); 5] = [
     // All but the few that are passed by along the dominant axis already.
     ("nodes", ["bvh::one_by_one::lateral", ", 1, "]),
     ("shapes", ["shape::Geometry", "::intersect"]),
-    ("triangles", ["bvh::mesh::", "::ask"]),
+    ("triangles", ["shape::triangle", "::intersect"]),
     ("hits", ["shape::triangle", "::meet"]),
 ];
 
@@ -363,7 +363,7 @@ mod tests {
 
     #[test]
     fn functions_are_known_whatever_their_types() {
-        let name = "microlux::bvh::mesh::Nearest::ask";
+        let name = "microlux::shape::triangle::intersect";
         let found: Vec<_> = WORK.iter().filter(|(_, parts)| is_named(name, *parts)).collect();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].0, "triangles");
