@@ -115,18 +115,8 @@ fn from_origin<const K: usize>(node: &Node, ray: &GridRay) -> i32 {
 #[inline(always)]
 fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, from: i32, to: i32) -> (u32, [i32; 2]) {
     let e = node.exponent & 15;
-    let (from, to) = ((from - origin) >> e, (to - origin) >> e);
-    // Most nodes lie between where the ray starts and its limit as a whole.
-    let mask = if from <= 0 && to >= 255 {
-        15
-    } else {
-        along::<K>(&node.planes, from, to)
-    };
-    if mask == 0 {
-        return (0, [0; 2]);
-    }
     let first = -ray.across::<K, 0>(&node.origin) >> e;
-    let mask = across::<K, 1>(&node.planes, first, ray.slopes[0], mask);
+    let mask = across::<K, 1>(&node.planes, first, ray.slopes[0], 15);
     if mask == 0 {
         return (0, [0; 2]);
     }
@@ -135,21 +125,29 @@ fn hit_mask<const K: usize>(node: &Node, ray: &GridRay, origin: i32, from: i32, 
     if mask == 0 {
         return (0, [0; 2]);
     }
-    let bounds = [first, second];
-    (mask, bounds)
+    let (from, to) = ((from - origin) >> e, (to - origin) >> e);
+    // Most nodes lie between where the ray starts and its limit as a whole.
+    let mask = if from <= 0 && to >= 255 {
+        mask
+    } else {
+        along::<K>(&node.planes, from, to, mask)
+    };
+    (mask, [first, second])
 }
 
 /// Which children reach into `from` ..= `to` along the dominant axis.
 #[cfg_attr(narrow_mul, inline(never))]
 #[cfg_attr(not(narrow_mul), inline(always))]
-fn along<const K: usize>(planes: &Planes, from: i32, to: i32) -> u32 {
+fn along<const K: usize>(planes: &Planes, from: i32, to: i32, mask: u32) -> u32 {
     let [low, high] = &planes[K];
-    let mut mask = 0;
+    let mut kept = mask;
     for i in 0..4 {
         // The sign says whether it is beyond one of the two.
-        mask |= ((((high[i] as i32 - from) | (to - low[i] as i32)) as u32 >> 31) ^ 1) << i;
+        if mask >> i & 1 != 0 && ((high[i] as i32 - from) | (to - low[i] as i32)) < 0 {
+            kept &= !(1 << i);
+        }
     }
-    mask
+    kept
 }
 
 /// Which of `mask` the ray meets as seen along axis k + `A`.

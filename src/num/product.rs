@@ -9,6 +9,15 @@ pub const fn mul_q16(a: i32, b: i32) -> i32 {
     return ((a as i64 * b as i64) >> 16) as i32;
 }
 
+/// ⌊a·`share` / 2^8⌋ of a share of 1, Q16, and |a| under 2^16: eight bits below the point.
+#[inline(always)]
+pub const fn mul_share(a: i32, share: i32) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_share(a, share);
+    #[cfg(not(narrow_mul))]
+    return mul_q16(a << 8, share);
+}
+
 /// [`mul_q16`], quicker on narrow cores where `unit` is −1, 0 or 1 (Q16): of directions that are often axes.
 #[inline(always)]
 pub const fn mul_unit(a: i32, unit: i32) -> i32 {
@@ -88,6 +97,12 @@ pub mod narrow {
             .wrapping_add(ah.wrapping_mul(bl))
             .wrapping_add(al.wrapping_mul(bh))
             .wrapping_add(low as i32)
+    }
+
+    /// See [`super::mul_share`]. Two products, each under 2^24.
+    #[inline(always)]
+    pub const fn mul_share(a: i32, share: i32) -> i32 {
+        a * (share >> 8) + ((a * (share & 255)) >> 8)
     }
 
     /// See [`super::mul_unit`].

@@ -18,7 +18,7 @@
 //! taken exactly in two words, see [`Edge`].
 
 use super::grid::{DEPTH_BITS, GridRay, SLOPE_BITS};
-use crate::num::{mul_hi, mul_q16, recip};
+use crate::num::{mul_hi, mul_share, recip};
 
 /// Where a ray meets a triangle (a, b, c).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -162,7 +162,7 @@ fn narrow_edges([ax, bx, cx]: [i32; 3], [ay, by, cy]: [i32; 3]) -> Option<[u32; 
     )
 }
 
-/// p·q − r·t as 512·high + low, exactly, with 0 ≤ low < 512.
+/// p·q − r·t as 256·high + low, exactly, with 0 ≤ low < 256.
 #[derive(Clone, Copy)]
 pub(crate) struct Edge {
     high: i32,
@@ -170,14 +170,14 @@ pub(crate) struct Edge {
 }
 
 impl Edge {
-    /// Factors under 2^18 in magnitude: p = 512 p_h + p_l with |p_h| ≤ 2^9 and 0 ≤ p_l < 2^9, so that each product is
-    /// under 2^27. The value is under 2^37, `high` under 2^28.
+    /// Factors under 2^18 in magnitude: p = 256 p_h + p_l with |p_h| ≤ 2^10 and 0 ≤ p_l < 2^8, so that each product is
+    /// under 2^28. The value is under 2^37, `high` under 2^29.
     #[inline]
     pub fn new(p: i32, q: i32, r: i32, t: i32) -> Edge {
-        let low = (p & 511) * q - (r & 511) * t;
+        let low = (p & 255) * q - (r & 255) * t;
         Edge {
-            high: (p >> 9) * q - (r >> 9) * t + (low >> 9),
-            low: low & 511,
+            high: (p >> 8) * q - (r >> 8) * t + (low >> 8),
+            low: low & 255,
         }
     }
 
@@ -196,7 +196,7 @@ impl Edge {
         } else {
             Edge {
                 high: -self.high - (self.low != 0) as i32,
-                low: -self.low & 511,
+                low: -self.low & 255,
             }
         }
     }
@@ -207,10 +207,10 @@ impl Edge {
     #[inline]
     pub fn shorten(edges: [Edge; 3]) -> ([i32; 3], i32) {
         let size = edges.iter().fold(0, |m, e| m | (e.high ^ (e.high >> 31)));
-        if size < 1 << 21 {
-            (edges.map(|e| (e.high << 9) | e.low), 0)
+        if size < 1 << 22 {
+            (edges.map(|e| (e.high << 8) | e.low), 0)
         } else {
-            (edges.map(|e| (e.high << 2) | (e.low >> 7)), 7)
+            (edges.map(|e| (e.high << 1) | (e.low >> 7)), 7)
         }
     }
 }
@@ -237,7 +237,7 @@ pub(super) fn meet(ray: &GridRay, [u, v, w]: [u32; 3], z: [i32; 3]) -> Option<Tr
     // |zb − za| < 2^16, eight bits below the point; their sum rounded to four. The weights are 0 or more and at most
     // 1 together, so the true sum lies within the vertices' depths, which every box around the triangle covers; the
     // floors take less than 2 of it, an integer 256 m becomes 256 m − 1 at worst, and that rounds to 16 m again.
-    let rise = mul_q16((zb - za) << 8, b1) + mul_q16((zc - za) << 8, b2);
+    let rise = mul_share(zb - za, b1) + mul_share(zc - za, b2);
     let depth = (za << DEPTH_BITS) + ((rise + 8) >> 4);
     (depth > 0).then_some(TriangleHit { depth, b1, b2 })
 }
@@ -306,7 +306,7 @@ mod tests {
             let (p, q, r, t) = (r(), r(), r(), r());
             let exact = p as i64 * q as i64 - r as i64 * t as i64;
             let edge = Edge::new(p, q, r, t);
-            let value = |e: Edge| e.high as i64 * 512 + e.low as i64;
+            let value = |e: Edge| e.high as i64 * 256 + e.low as i64;
             assert_eq!(value(edge), exact);
             assert_eq!(edge.sign().signum() as i64, exact.signum());
             assert_eq!(value(edge.abs()), exact.abs());

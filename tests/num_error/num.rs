@@ -47,6 +47,13 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
             let exact = ((i64::from(a) * i64::from(unit)) >> 16) as i32;
             assert_eq!([mul_unit(a, unit), narrow::mul_unit(a, unit)], [exact; 2]);
         }
+        let (short, share) = (a >> 15, b & 0x1_ffff);
+        let share = share.min(1 << 16);
+        let exact = ((i64::from(short) * i64::from(share)) >> 8) as i32;
+        assert_eq!(
+            [mul_share(short, share), narrow::mul_share(short, share)],
+            [exact; 2]
+        );
         let unsigned = u64::from(a as u32) * u64::from(b as u32);
         assert_eq!(
             [mul_hi(a as u32, b as u32), narrow::mul_hi(a as u32, b as u32)],

@@ -70,7 +70,6 @@ const CORES: [Machine; 4] = [
 /// Functions whose calls say how much there was to do, by two parts of their names, between which types may stand.
 const WORK: [(&str, [&str; 2]); 5] = [
     ("set-ups", ["shape::grid::GridRay", "::enter"]),
-    // All but the few that are passed by along the dominant axis already.
     ("nodes", ["bvh::one_by_one::lateral", ", 1, "]),
     ("shapes", ["shape::Geometry", "::intersect"]),
     ("triangles", ["shape::triangle", "::intersect"]),
