@@ -11,11 +11,7 @@ use core::ops::ControlFlow;
 /// Its corners are seen along the second axis only where the first does not tell that the ray passes by.
 #[cfg_attr(narrow_mul, inline(never))]
 #[cfg_attr(not(narrow_mul), inline(always))]
-pub(super) fn intersect_of<const K: usize>(
-    ray: &GridRay,
-    mesh: &TriangleMesh,
-    number: u32,
-) -> Option<TriangleHit> {
+fn intersect_of<const K: usize>(ray: &GridRay, mesh: &TriangleMesh, number: u32) -> Option<TriangleHit> {
     let corners = mesh.vertices_of(number)?;
     let x = corners.map(|v| ray.across::<K, 0>(v) >> SLOPE_BITS);
     if is_beside(x) {

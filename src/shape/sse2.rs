@@ -191,7 +191,11 @@ mod tests {
             triangles: &[[0, 1, 2]],
             attributes: Attributes::NONE,
         };
-        let one_by_one = one_by_one::intersect_of::<K>(ray, &mesh, 0);
+        let mut one_by_one = None;
+        let _ = one_by_one::of_leaf::<K>(&mesh, ray, 0, 1 << 4, |_, hit| {
+            one_by_one = Some(hit);
+            ControlFlow::Continue(())
+        });
         assert_eq!(one_by_one, triangle::intersect(ray, &seen));
         (at_once[0], one_by_one, large)
     }
