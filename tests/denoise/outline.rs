@@ -138,12 +138,10 @@ fn what_is_known_well_is_left_alone() {
         let steps = seen.iter().zip(&own).map(|(seen, own)| (seen - own).abs());
         steps.fold(0.0, f64::max) / LIGHT
     };
-    let steps = [(1, 1), (1, 2), (4, 1), (1, 8), (16, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
+    let steps = [(1, 1), (1, 2), (1, 4), (1, 8), (4, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
     assert!(steps.is_sorted_by(|a, b| a >= b), "{steps:?}");
-    // Four samples of one frame are worth as many as one of each of eight.
-    assert_eq!(steps[2], steps[3]);
-    assert!(steps[0] > 0.1, "{steps:?}");
-    // But for the nine bits that light is kept in.
+    assert!(steps[0] > 0.1 && steps[3] > 0.01, "{steps:?}");
+    // Four samples of one frame know enough. Nine bits are what light is kept in.
     assert!(steps[4] < 0.002, "{steps:?}");
 }
 
