@@ -7,7 +7,7 @@ use microlux::film::denoise::network::{
     Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
-use microlux::film::feature::DEPTH_NOTHING;
+use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
 use microlux::num::Crc;
 
 use crate::{Backwards, Random, Threads};
@@ -367,11 +367,13 @@ fn a_filters_memory_does_not_matter() {
         let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);
         let expected: Vec<Rgb9e5> = (0..count)
             .map(|at| {
-                encoded(if frame[at].depth == DEPTH_NOTHING {
-                    light[at]
-                } else {
-                    clean[at]
-                })
+                encoded(
+                    if frame[at].depth == DEPTH_NOTHING && frame[at].id == ID_NOTHING {
+                        light[at]
+                    } else {
+                        clean[at]
+                    },
+                )
             })
             .collect();
 
@@ -398,7 +400,7 @@ fn a_filters_memory_does_not_matter() {
     }
 }
 
-/// What sees nothing keeps its light, whatever is beside it.
+/// What sees nothing keeps its light, whatever is beside it; what sees nothing by way of glass is noise.
 #[test]
 fn what_sees_nothing_keeps_its_light() {
     let size = Size {
@@ -409,14 +411,22 @@ fn what_sees_nothing_keeps_its_light() {
     let frame: Vec<Feature> = (0..size.pixels())
         .map(|at| {
             let lit = at % 24 < 11 || at % 7 == 0;
+            let glass = at / 24 >= 12;
             Feature {
                 irradiance: if lit {
                     Rgb9e5::from_bits([60_000; 3], -12)
+                } else if glass && at % 5 == 0 {
+                    Rgb9e5::BLACK
                 } else {
                     sky
                 },
                 albedo: [255; 3],
                 depth: if lit { 90 } else { DEPTH_NOTHING },
+                id: match (lit, glass) {
+                    (true, _) => 7,
+                    (false, true) => first_id(ID_NOTHING, 2),
+                    (false, false) => ID_NOTHING,
+                },
                 ..Feature::default()
             }
         })
@@ -434,7 +444,8 @@ fn what_sees_nothing_keeps_its_light() {
     );
     let clean = denoise::Scratch::over(&mut room).light;
     for (pixel, light) in frame.iter().zip(clean) {
-        assert!(pixel.depth != DEPTH_NOTHING || *light == sky);
+        assert!(pixel.id != ID_NOTHING || *light == sky);
+        assert!(pixel.irradiance != Rgb9e5::BLACK || *light != Rgb9e5::BLACK);
     }
 }
 

@@ -12,7 +12,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::denoise::network::{INPUTS, Input, Neural, TRAINED, Weights, exposure, irradiance};
 use microlux::film::denoise::{self, Denoiser, Filter, Memory, Pair, ROWS, Seen};
-use microlux::film::feature::{DEPTH_NOTHING, Feature};
+use microlux::film::feature::{DEPTH_NOTHING, Feature, ID_NOTHING};
 use microlux::render::Motion;
 
 use crate::classical::{self, Guides, Kind};
@@ -326,7 +326,7 @@ impl Filter for InCore {
         let trace = nn::extract(&self.params, input, Mode::Integer);
         let filtered = nn::filter(&own, &trace.heads, Mode::Integer);
         for (at, light) in scratch.light.iter_mut().enumerate() {
-            let nothing = frame[at].depth == DEPTH_NOTHING;
+            let nothing = frame[at].depth == DEPTH_NOTHING && frame[at].id == ID_NOTHING;
             let [r, g, b, _] = if nothing { own[at] } else { filtered.out[0][at] };
             *light = Rgb9e5::from_bits([r, g, b].map(|c| (c + 0.5) as u32), -12);
         }

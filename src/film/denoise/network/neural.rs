@@ -3,10 +3,10 @@ use super::{Input, Needs, Network, NetworkError, Scratch, Shape, Weights, exposu
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Pair, Size};
-use crate::film::feature::DEPTH_NOTHING;
+use crate::film::feature::{DEPTH_NOTHING, ID_NOTHING};
 use zerocopy::{FromBytes, IntoBytes};
 
-/// The network as a denoiser's filter. Pixels that see nothing keep their light.
+/// The network as a denoiser's filter. Pixels that see nothing, and not by way of a mirror or glass, keep their light.
 ///
 /// It works in the filter's [`denoise::Scratch`] and in memory of its own. The finest activations stand beside the answer's
 /// place, and [`Scratch::work`] in that place until the answer comes, if it is large enough.
@@ -86,8 +86,12 @@ impl<'a> Neural<'a> {
         let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
         network.filter_coarse(pair, &light);
         let last = Last::new(Shape::all(width, height)?, fine, coarse);
-        // It is what the sky says, without noise.
-        let keeps = |at: usize| frame.get(at).is_some_and(|pixel| pixel.depth == DEPTH_NOTHING);
+        // It is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
+        let keeps = |at: usize| {
+            frame
+                .get(at)
+                .is_some_and(|pixel| pixel.depth == DEPTH_NOTHING && pixel.id == ID_NOTHING)
+        };
         last.filter(pair, light, keeps, out, |light| {
             Rgb9e5::from_bits(light.map(u32::from), -12)
         });
