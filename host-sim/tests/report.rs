@@ -370,7 +370,13 @@ fn denoisers_stand_beside_each_other_and_the_missing_one_is_told() {
     assert_eq!(methods(&parts[0]), ["noisy", "atrous", "joint_bilateral", "ours"]);
     assert_eq!(
         methods(&parts[2]),
-        ["noisy", "atrous", "ours_without_history", "ours"]
+        [
+            "noisy",
+            "atrous",
+            "ours_without_history",
+            "ours_without_taa",
+            "ours"
+        ]
     );
     for part in parts {
         for method in part["methods"].as_array().unwrap() {
