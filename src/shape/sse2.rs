@@ -8,9 +8,8 @@
 //! c_x·b_y + c_y·¬b_x + c_y, since −b_x of −2^15 has no 16 bits.
 
 use super::grid::{GridRay, SLOPE_BITS};
-use super::mesh::{TriangleMesh, corners};
+use super::mesh::TriangleMesh;
 use super::triangle::{self, Seen, TriangleHit, meet};
-use core::ops::ControlFlow;
 use safe_arch::{
     add_i32_m128i, cmp_eq_mask_i32_m128i, insert_i16_from_i32_m128i, m128i, move_mask_i8_m128i,
     mul_i16_horizontal_add_m128i, pack_i32_to_i16_m128i, set_i32_m128i, set_i32_m128i_s, set_splat_i16_m128i,
@@ -19,25 +18,14 @@ use safe_arch::{
     zeroed_m128i,
 };
 
-/// Where the ray meets each triangle of a leaf that it does meet, with its number, until `met` breaks: the leaf as
-/// [`super::Triangles::of_leaf`] has it.
+/// See `one_by_one`, which has the same with one product after the other.
 #[inline(always)]
-pub(super) fn of_leaf<const K: usize>(
-    mesh: &TriangleMesh,
+pub(super) fn intersect_of<const K: usize>(
     ray: &GridRay,
-    base: u32,
-    leaf: u32,
-    mut met: impl FnMut(u32, TriangleHit) -> ControlFlow<()>,
-) -> ControlFlow<()> {
-    let first = (base + (leaf & 15)) as usize;
-    let triangles = mesh.triangles.get(first..first + (leaf >> 4) as usize);
-    for (number, &triangle) in (first as u32..).zip(triangles.unwrap_or(&[])) {
-        let corners = corners(mesh.vertices, triangle);
-        if let Some(hit) = corners.and_then(|corners| intersect_corners::<K>(ray, corners)) {
-            met(number, hit)?;
-        }
-    }
-    ControlFlow::Continue(())
+    mesh: &TriangleMesh,
+    number: u32,
+) -> Option<TriangleHit> {
+    intersect_corners::<K>(ray, mesh.vertices_of(number)?)
 }
 
 /// [`triangle::intersect`] of vertices; `K` is the ray's dominant axis.
@@ -191,11 +179,7 @@ mod tests {
             triangles: &[[0, 1, 2]],
             attributes: Attributes::NONE,
         };
-        let mut one_by_one = None;
-        let _ = one_by_one::of_leaf::<K>(&mesh, ray, 0, 1 << 4, |_, hit| {
-            one_by_one = Some(hit);
-            ControlFlow::Continue(())
-        });
+        let one_by_one = one_by_one::intersect_of::<K>(ray, &mesh, 0);
         assert_eq!(one_by_one, triangle::intersect(ray, &seen));
         (at_once[0], one_by_one, large)
     }

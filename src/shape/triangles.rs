@@ -2,10 +2,10 @@ use super::attributes::Layers;
 use super::grid::{Bounds, Grid, GridRay};
 use super::mesh::{MeshHit, TriangleMesh};
 #[cfg(not(target_arch = "x86_64"))]
-use super::one_by_one::of_leaf as of_plain_leaf;
+use super::one_by_one::intersect_of;
 use super::packed::PackedMesh;
 #[cfg(target_arch = "x86_64")]
-use super::sse2::of_leaf as of_plain_leaf;
+use super::sse2::intersect_of;
 use super::triangle::{Edge, Seen, TriangleHit, intersect};
 use crate::color::Albedo;
 use crate::geom::{Dir, Norm, Octahedral, Offset, Point};
@@ -273,7 +273,15 @@ impl Triangles<'_> {
         mut met: impl FnMut(u32, TriangleHit) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         match self {
-            Triangles::Plain(mesh) => of_plain_leaf::<K>(mesh, ray, base, leaf, met),
+            Triangles::Plain(mesh) => {
+                let first = base + (leaf & 15);
+                for number in first..first + (leaf >> 4) {
+                    if let Some(hit) = intersect_of::<K>(ray, mesh, number) {
+                        met(number, hit)?;
+                    }
+                }
+                ControlFlow::Continue(())
+            }
             Triangles::Packed(mesh) => {
                 let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
                 let strip = mesh.leaf(base, leaf >> 2 & 3);
