@@ -102,7 +102,7 @@ pub struct Row<'r> {
 impl Row<'_> {
     /// From the left, each mixed with its neighbours if an outline is near.
     pub fn lights(&self) -> impl Iterator<Item = Radiance> {
-        (0..self.len()).map(|x| self.light(x).decode())
+        (0..self.len()).map(|x| Self::light(&self.near(x)).decode())
     }
 
     pub(super) fn len(&self) -> usize {
@@ -110,15 +110,19 @@ impl Row<'_> {
     }
 
     /// The 3 × 3 about a pixel of the row.
+    #[inline(always)]
     pub(super) fn near(&self, x: usize) -> [[&Seen; 3]; 3] {
-        let last = self.len().saturating_sub(1);
-        let columns = [x.saturating_sub(1), x, x + 1].map(|x| x.min(last));
-        self.rows
-            .map(|row| columns.map(|x| row.get(x).unwrap_or(&Seen::NOTHING)))
+        let row = self.rows[1];
+        let Some(own) = row.get(x) else {
+            return [[&Seen::NOTHING; 3]; 3];
+        };
+        let columns = [x.saturating_sub(1), x, (x + 1).min(row.len() - 1)];
+        self.rows.map(|row| columns.map(|x| row.get(x).unwrap_or(own)))
     }
 
-    pub(super) fn light(&self, x: usize) -> Rgb9e5 {
-        let near = self.near(x);
+    /// The middle one of these, mixed with the others if an outline is near.
+    #[inline(never)]
+    pub(super) fn light(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
         let own = near[1][1];
         // Most are all of one number and distance.
         let differs = near

@@ -47,11 +47,12 @@ impl Row<'_> {
     /// They are the picture that was shown before when the next one comes.
     pub fn steadied<M: Reproject>(&self, y: u16, shown: &Shown<M>) -> impl Iterator<Item = Rgb9e5> {
         (0..self.len()).map(move |x| {
-            let (own, near) = (self.light(x), self.near(x));
+            let near = self.near(x);
+            let own = Self::light(&near);
             let nearest = near.iter().flatten().map(|seen| seen.depth()).min();
             match nearest.and_then(|depth| shown.before(x as u16, y, depth)) {
                 Some(was) => {
-                    let was = held(was, own, &near);
+                    let was = held(was, &near);
                     mixed([own, was].into_iter().map(|light| (light, tone(light))))
                 }
                 None => own,
@@ -77,8 +78,8 @@ fn mixed(lights: impl Iterator<Item = (Rgb9e5, u32)> + Clone) -> Rgb9e5 {
 }
 
 /// `was`, its channels between the least and the most of the others'; as it was, to the last bit, where it is.
-fn held(was: Rgb9e5, own: Rgb9e5, near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
-    let others = || near.iter().flatten().map(|seen| seen.light()).chain([own]);
+fn held(was: Rgb9e5, near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
+    let others = || near.iter().flatten().map(|seen| seen.light());
     let top = others().fold(was.to_parts().1, |top, light| top.max(light.to_parts().1));
     // Under 2^31, in 2^22ths of the largest unit.
     let wide = |light: Rgb9e5| {
