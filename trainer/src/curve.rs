@@ -95,21 +95,19 @@ fn measure(options: &Options, states: &[State]) -> Result<(Ours, Others)> {
         .map(|s| (s.params.size, Quality::default()))
         .collect();
     let mut of_others: Others = others.iter().map(|name| (*name, Quality::default())).collect();
-    let bar = ProgressBar::new((COUNTS.len() * (states.len() + others.len())) as u64);
+    let bar = ProgressBar::new((COUNTS.len() * (states.len() + 1)) as u64);
     bar.set_style(ProgressStyle::with_template("test {wide_bar} {pos}/{len} {eta}")?);
     for (k, count) in COUNTS.into_iter().enumerate() {
         let ground = Ground::new(&shots, &validation, count, oidn.as_ref());
         for ((_, quality), state) in of_ours.iter_mut().zip(states) {
-            quality[k] = ground.mean(|shot| ground.in_core(shot, &state.params))?;
+            quality[k] = ground.means(|shot| Ok(vec![ground.in_core(shot, &state.params)?]))?[0];
             bar.inc(1);
         }
-        for (i, (_, quality)) in of_others.iter_mut().enumerate() {
-            quality[k] = ground.mean(|shot| match i.checked_sub(3) {
-                Some(i) => Ok(ground.oidn(shot)?.swap_remove(i)),
-                None => Ok(ground.classical(shot)[i].clone()),
-            })?;
-            bar.inc(1);
+        let means = ground.means(|shot| Ok([&ground.classical(shot)[..], &ground.oidn(shot)?].concat()))?;
+        for ((_, quality), mean) in of_others.iter_mut().zip(means) {
+            quality[k] = mean;
         }
+        bar.inc(1);
     }
     bar.finish();
     Ok((of_ours, of_others))

@@ -116,14 +116,18 @@ impl<'a> Ground<'a> {
         lit(&scene, &light)
     }
 
-    /// PSNR (dB), SSIM and FLIP of one filter, the mean of all scenes.
-    pub fn mean(&self, filter: impl Fn(&Shot) -> Result<Rgb>) -> Result<[f64; 3]> {
-        let mut mean = [0.0; 3];
+    /// PSNR (dB), SSIM and FLIP of some filters, the mean of all scenes.
+    pub fn means(&self, filters: impl Fn(&Shot) -> Result<Vec<Rgb>>) -> Result<Vec<[f64; 3]>> {
+        let mut means = Vec::new();
         for shot in self.shots {
-            let values = measure(shot.side, &filter(shot)?, &shot.reference)?;
-            (0..3).for_each(|k| mean[k] += values[k] / self.shots.len() as f64);
+            let made = filters(shot)?;
+            means.resize(made.len(), [0.0; 3]);
+            for (mean, made) in means.iter_mut().zip(&made) {
+                let values = measure(shot.side, made, &shot.reference)?;
+                (0..3).for_each(|k| mean[k] += values[k] / self.shots.len() as f64);
+            }
         }
-        Ok(mean)
+        Ok(means)
     }
 }
 

@@ -139,6 +139,8 @@ impl Padded {
 }
 
 /// 3 × 3 over padded planes, the outputs from `first` on: `out` is smaller by 2 each way. Weights `[tap][input][output]`.
+///
+/// Answers with how many outputs it made.
 fn correlate<const OUT: usize>(
     input: &Padded,
     inputs: usize,
@@ -146,7 +148,7 @@ fn correlate<const OUT: usize>(
     bias: &[f32],
     first: usize,
     out: &mut Planes,
-) {
+) -> usize {
     let (width, size, outputs) = (out.width, out.width * out.height, out.channels);
     let start: [f32; OUT] = core::array::from_fn(|o| bias.get(first + o).copied().unwrap_or(0.0));
     for y in 0..out.height {
@@ -173,33 +175,20 @@ fn correlate<const OUT: usize>(
             }
         }
     }
+    OUT
 }
 
 fn correlate_any(input: &Padded, inputs: usize, weights: &[f32], bias: &[f32], out: &mut Planes) {
     let mut first = 0;
     while first < out.channels {
-        first += match out.channels - first {
-            4 => {
-                correlate::<4>(input, inputs, weights, bias, first, out);
-                4
-            }
-            8 => {
-                correlate::<8>(input, inputs, weights, bias, first, out);
-                8
-            }
-            INPUTS => {
-                correlate::<INPUTS>(input, inputs, weights, bias, first, out);
-                INPUTS
-            }
-            12 => {
-                correlate::<12>(input, inputs, weights, bias, first, out);
-                12
-            }
-            _ => {
-                correlate::<16>(input, inputs, weights, bias, first, out);
-                16
-            }
+        let made = match out.channels - first {
+            4 => correlate::<4>,
+            8 => correlate::<8>,
+            INPUTS => correlate::<INPUTS>,
+            12 => correlate::<12>,
+            _ => correlate::<16>,
         };
+        first += made(input, inputs, weights, bias, first, out);
     }
 }
 

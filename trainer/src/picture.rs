@@ -124,7 +124,8 @@ impl Picture {
         }
     }
 
-    /// Where nothing was hit: light is kept as it is there, as in the core.
+    /// Where nothing was hit: light is kept as it is there. The core does so only where no mirror or glass was, either, which
+    /// samples do not tell.
     fn nothing(&self, at: usize) -> bool {
         self.depth[at] >= 254.5
     }
