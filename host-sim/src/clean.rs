@@ -257,9 +257,11 @@ impl Sequence<'_> {
                     lights: &*shown,
                     motion: &motion,
                 };
-                let last = (frames.cleaning.taa && !shown.is_empty()).then_some(&last);
+                let last = (!shown.is_empty()).then_some(&last);
                 let pixels = show(*frames, scene, camera, &clean, last);
-                *shown = pixels.iter().map(|light| Rgb9e5::encode(*light)).collect();
+                if frames.cleaning.taa {
+                    *shown = pixels.iter().map(|light| Rgb9e5::encode(*light)).collect();
+                }
                 Cleaned {
                     pixels,
                     gathered: clean.frame.to_vec(),
