@@ -1,4 +1,4 @@
-use super::Radiance;
+use super::{Albedo, Radiance};
 use crate::num::leading_zeros;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -20,7 +20,18 @@ impl Rgb9e5 {
     pub fn encode(light: Radiance) -> Rgb9e5 {
         // Mantissas of 16 bits, the largest full: seven too many.
         let (m, exponent) = light.to_parts();
-        Self::from_bits(m.map(u32::from), exponent as i32 - 15)
+        let [r, g, b] = m.map(u32::from);
+        let e = exponent as i32 - 15 + 7 + 24;
+        if (0..31).contains(&e) && (r | g | b) >> 15 == 1 {
+            // Nothing ends here: what `from_bits` does, one bit more where rounding carries.
+            let round = |shift: u32| [r, g, b].map(|c| ((c >> (shift - 1)) + 1) >> 1);
+            let (mut m, mut e) = (round(7), e as u32);
+            if (m[0] | m[1] | m[2]) > 511 {
+                (m, e) = (round(8), e + 1);
+            }
+            return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | e << 27);
+        }
+        Self::from_bits([r, g, b], exponent as i32 - 15)
     }
 
     /// Of three channels `bits · 2^exponent`, rounded as [`Self::encode`] does; `bits` under 2^31.
@@ -59,6 +70,19 @@ impl Rgb9e5 {
     #[inline]
     pub const fn decode(self) -> Radiance {
         self.scaled(0)
+    }
+
+    /// Its light times shares: `decode().mul_albedo(by)`, the same bits.
+    #[inline]
+    pub const fn times(self, by: Albedo) -> Radiance {
+        let (m, exponent) = self.to_parts();
+        // raw: under 2^9 · 2^16
+        let bits = [
+            m[0] * by.0[0].to_bits() as u32,
+            m[1] * by.0[1].to_bits() as u32,
+            m[2] * by.0[2].to_bits() as u32,
+        ];
+        Radiance::from_bits(bits, exponent - 15)
     }
 
     /// Its value times 2^`exponent`.

@@ -166,8 +166,11 @@ impl Sum {
             };
         }
         let r = recip(self.count);
-        // raw: sums under 2^32, so the mean with half a step is what the product's high word holds.
         let mean = |sum: u32| {
+            if self.count == 1 {
+                return sum;
+            }
+            // raw: sums under 2^32, so the mean with half a step is what the product's high word holds.
             let bits = sum as u64 * r.mantissa as u64;
             ((bits + (1u64 << (r.shift - 1))) >> r.shift) as u32
         };
@@ -196,6 +199,9 @@ fn floored(albedo: Albedo) -> Albedo {
 /// Radiance over an albedo within 1/32 ..= 1: error half a step of 2^-15 of the largest channel of either.
 #[inline]
 fn demodulate(radiance: Radiance, by: Albedo) -> Radiance {
+    if radiance.is_black() {
+        return radiance;
+    }
     let (m, exponent) = radiance.to_parts();
     let part = |i: usize| {
         let by = (by.0[i].to_bits() as u32).max(1 << 10);
@@ -216,7 +222,7 @@ impl Feature {
     /// The pixel's light: irradiance times albedo.
     #[inline]
     pub const fn radiance(&self) -> Radiance {
-        self.irradiance.decode().mul_albedo(self.albedo())
+        self.irradiance.times(self.albedo())
     }
 }
 

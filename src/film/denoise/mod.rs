@@ -299,7 +299,7 @@ impl Clean<'_> {
     pub fn pixel(&self, x: u16, y: u16) -> Radiance {
         let place = y as usize * self.size.width as usize + x as usize;
         match (self.light.get(place), self.frame.get(place)) {
-            (Some(light), Some(pixel)) if x < self.size.width => light.decode().mul_albedo(pixel.albedo()),
+            (Some(light), Some(pixel)) if x < self.size.width => light.times(pixel.albedo()),
             _ => Radiance::BLACK,
         }
     }
