@@ -287,6 +287,10 @@ impl Reproject for Motion {
         Some(Before { place, depth })
     }
 
+    fn is_still(&self) -> bool {
+        self.is_still
+    }
+
     fn is_whole(&self) -> bool {
         self.is_whole
     }

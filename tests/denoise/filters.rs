@@ -5,7 +5,7 @@ use microlux::film::denoise::{
     Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Seen, Size, TooShort,
     Whole, accumulate, beside, upsample,
 };
-use microlux::film::feature::ID_NOTHING;
+use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
 use microlux::geom::Octahedral;
 
 const SIZE: Size = Size {
@@ -22,6 +22,10 @@ impl Reproject for Still {
             place: [x, y].map(|c| 16 * i32::from(c) + 8),
             depth,
         })
+    }
+
+    fn is_still(&self) -> bool {
+        true
     }
 
     fn is_whole(&self) -> bool {
@@ -51,6 +55,10 @@ impl Reproject for Wild {
                 depth,
             }),
         }
+    }
+
+    fn is_still(&self) -> bool {
+        self.0.is_multiple_of(3)
     }
 
     fn is_whole(&self) -> bool {
@@ -226,6 +234,43 @@ fn what_was_uncovered_has_no_past() {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(Some(&Shift([16 * i32::from(SIZE.width), 0])), &mut Off);
         assert!(clean.light.iter().zip(&pixels).all(|(l, p)| *l == p.irradiance));
+    });
+}
+
+/// The sky in a ball that goes by does not move with the sky.
+#[test]
+fn a_sky_in_a_mirror_has_no_past_where_something_moved() {
+    let frame = |level: u32, id: u16| {
+        let pixel = Feature {
+            irradiance: light([level << 15; 3], -15),
+            albedo: [255; 3],
+            depth: DEPTH_NOTHING,
+            id,
+            ..Feature::default()
+        };
+        vec![pixel; SIZE.pixels()]
+    };
+    let second = |id: u16, motion: &dyn Fn(&mut Denoiser)| {
+        with_denoiser(SIZE, 1, |denoiser| {
+            denoiser.frame().copy_from_slice(&frame(1, id));
+            denoiser.denoise(Some(&Still), &mut Off);
+            denoiser.frame().copy_from_slice(&frame(3, id));
+            motion(denoiser);
+        });
+    };
+    let mirrored = first_id(ID_NOTHING, 1);
+    for (id, level) in [(mirrored, 3.0), (ID_NOTHING, 2.0)] {
+        second(id, &|denoiser| {
+            let clean = denoiser.denoise(Some(&Shift([0, 0])), &mut Off);
+            assert!(
+                clean.light.iter().all(|l| value(l.decode()) == [level; 3]),
+                "{id}"
+            );
+        });
+    }
+    second(mirrored, &|denoiser| {
+        let clean = denoiser.denoise(Some(&Still), &mut Off);
+        assert!(clean.light.iter().all(|l| value(l.decode()) == [2.0; 3]));
     });
 }
 
