@@ -39,6 +39,14 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
 
 #[cfg(target_arch = "arm")]
 mod arm;
+#[cfg(target_arch = "arm")]
+mod facets;
+#[cfg(target_arch = "arm")]
+mod walk;
+#[cfg(target_arch = "arm")]
+pub use facets::{Facets, Met};
+#[cfg(target_arch = "arm")]
+pub use walk::{Leaves, Order, Ray, Walk};
 
 #[cfg(test)]
 mod tests {

@@ -16,6 +16,10 @@ pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_m
     let ray = entered.as_ref()?;
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
+    #[cfg(assembly)]
+    if let Triangles::Plain(mesh) = mesh {
+        return super::armv6m::closest(mesh, nodes, ray, depth, t_max);
+    }
     let mut nearest = Nearest::within(mesh, depth);
     traverse(nodes, ray, &mut nearest);
     nearest.hit(ray, t_max)
@@ -35,6 +39,10 @@ pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_
     let Some(ray) = &entered else {
         return false;
     };
+    #[cfg(assembly)]
+    if let Triangles::Plain(mesh) = mesh {
+        return super::armv6m::occluded(mesh, nodes, ray, t_max);
+    }
     let mut any = Any {
         mesh,
         limit: ray.limit(t_max),

@@ -5,11 +5,13 @@
 //! the ray as the grid sees it, boxes round outwards, and equal depths go to the lower number: so a tree answers what
 //! a linear scan answers, primitive and distance, bit for bit.
 
+#[cfg(assembly)]
+mod armv6m;
 mod build;
 mod check;
 mod mesh;
 mod node;
-#[cfg(any(test, not(target_arch = "x86_64")))]
+#[cfg(any(test, not(any(assembly, target_arch = "x86_64"))))]
 mod one_by_one;
 #[cfg(target_arch = "x86_64")]
 mod sse2;

@@ -1,5 +1,5 @@
 use crate::shape::Bounds;
-use zerocopy::{FromBytes, Immutable, KnownLayout};
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// Four children: their boxes, and where they are.
 ///
@@ -16,7 +16,7 @@ use zerocopy::{FromBytes, Immutable, KnownLayout};
 /// Over a [`crate::shape::PackedMesh`] the primitive base is the offset of the node's block, and a leaf's offset four
 /// times its place in it. Planes and meta come first since a Thumb-1 byte load reaches 31 bytes. Little-endian in flash.
 #[repr(C)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, Immutable, KnownLayout)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout)]
 pub struct Node {
     pub(crate) planes: Planes,
     pub(crate) meta: [u8; 4],

@@ -26,18 +26,15 @@
 //!
 //! |F| < 2^31 for any grid point; (q << 13) and S·q are under 2^21.
 
-use super::MAX_DEPTH;
+#[cfg(assembly)]
+use super::armv6m::walk;
 use super::node::Node;
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(not(any(assembly, target_arch = "x86_64")))]
 use super::one_by_one::OneByOne as Boxes;
 #[cfg(target_arch = "x86_64")]
 use super::sse2::Boxes;
 use crate::shape::GridRay;
 use core::ops::ControlFlow;
-use heapless::Vec;
-
-/// Three children a level wait while the fourth is looked at.
-const STACK: usize = 3 * MAX_DEPTH + 1;
 
 /// Which of a node's children a ray goes to first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +51,8 @@ pub enum Order {
 pub trait Visitor {
     /// Which of several children comes first.
     const ORDER: Order = Order::Entry;
+    /// Whether [`Visitor::visit`] makes use of `K`.
+    const BY_AXIS: bool = true;
 
     /// Depth in whole steps along the dominant axis beyond which nothing is wanted, at most 65535; negative for
     /// nothing at all. Asked again at each node, so it may shrink.
@@ -77,6 +76,9 @@ pub fn primitives(base: u32, leaf: u32) -> core::ops::Range<u32> {
 /// [`super::check_mesh`] or [`super::check_items`] would refuse may be passed by.
 #[inline]
 pub fn traverse<V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
+    if !BOXES_BY_AXIS && !V::BY_AXIS {
+        return walk::<0, V>(nodes, ray, visitor);
+    }
     match ray.axis {
         0 => walk::<0, V>(nodes, ray, visitor),
         1 => walk::<1, V>(nodes, ray, visitor),
@@ -84,10 +86,20 @@ pub fn traverse<V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
     }
 }
 
+/// Whether [`walk`] makes use of `K` itself.
+const BOXES_BY_AXIS: bool = cfg!(not(assembly));
+
+#[cfg(not(assembly))]
 #[inline]
 fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut V) {
+    /// Three children a level wait while the fourth is looked at.
+    const STACK: usize = 3 * super::MAX_DEPTH + 1;
+    /// No node waits: depth and index are the largest of all.
+    const NONE: u32 = u32::MAX;
+    /// Whether the core counts the zeros below a mask's lowest bit in one instruction that is worth its while.
+    const COUNTED: bool = cfg!(target_arch = "x86_64");
     // A waiting node is its nearest depth in the high half, its index in the low one.
-    let mut stack: Vec<u32, STACK> = Vec::new();
+    let mut stack: heapless::Vec<u32, STACK> = heapless::Vec::new();
     let mut boxes = Boxes::new(ray);
     let mut at = 0u32;
     loop {
@@ -139,9 +151,3 @@ fn walk<const K: usize, V: Visitor>(nodes: &[Node], ray: &GridRay, visitor: &mut
         }
     }
 }
-
-/// No node waits: depth and index are the largest of all.
-const NONE: u32 = u32::MAX;
-
-/// Whether the core counts the zeros below a mask's lowest bit in one instruction that is worth its while.
-const COUNTED: bool = cfg!(target_arch = "x86_64");

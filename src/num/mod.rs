@@ -30,6 +30,8 @@ pub use exp::{exp2_neg, neg_log2, pow};
 pub use product::{
     dot_q24, dot_unit, mul_hi, mul_hi_signed, mul_q16, mul_share, mul_shift, mul_shift_short, mul_unit,
 };
+#[cfg(assembly)]
+pub(crate) use recip::RECIPS;
 pub use recip::{Recip, ratio, recip, short_recip};
 pub use root::{isqrt, rsqrt, rsqrt_of_large, short_rsqrt};
 pub use trig::{acos, atan2, sin_cos};

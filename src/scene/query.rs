@@ -359,6 +359,7 @@ impl Nearest<'_> {
 
 impl Visitor for Nearest<'_> {
     const ORDER: Order = Order::Face;
+    const BY_AXIS: bool = false;
 
     #[inline(always)]
     fn limit(&self) -> i32 {
@@ -389,6 +390,7 @@ struct Any<'a> {
 
 impl Visitor for Any<'_> {
     const ORDER: Order = Order::Any;
+    const BY_AXIS: bool = false;
 
     #[inline(always)]
     fn limit(&self) -> i32 {

@@ -1,5 +1,7 @@
 use crate::geom::{Dir, Point, Ray};
-use crate::num::{leading_zeros, mul_q16, mul_shift, recip, short_recip};
+#[cfg(not(assembly))]
+use crate::num::{leading_zeros, short_recip};
+use crate::num::{mul_q16, mul_shift, recip};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -207,6 +209,7 @@ impl Slopes {
 }
 
 /// How far a ray gets along its dominant axis while it goes one step aside: the reciprocal of a slope.
+#[cfg(not(assembly))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rise {
     /// 2^23 over the slope's size in Q13, which is 2^8 or more.
@@ -220,6 +223,7 @@ pub(crate) struct Rise {
     face: u32,
 }
 
+#[cfg(not(assembly))]
 impl Rise {
     /// Of a slope, and whether the ray goes down its dominant axis.
     #[inline]
