@@ -15,6 +15,7 @@ use crate::{
         Integrator::{self, Direct, Path},
         Pattern::{self, Blue, Cmj, Independent, Sobol, Stratified},
     },
+    meshes,
     random::Xorshift,
     rays::{
         Bundle,
@@ -104,11 +105,12 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 4] = [
+const OWN: [Job; 5] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),
     Job::machine("sums", sums::run),
+    Job::machine("meshes", meshes::run),
 ];
 
 /// Both seeds of each row.

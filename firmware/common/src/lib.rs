@@ -17,6 +17,7 @@ pub mod flight;
 pub mod golden;
 pub mod jobs;
 pub mod mesh;
+mod meshes;
 mod random;
 pub mod rays;
 pub mod raystones;

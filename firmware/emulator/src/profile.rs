@@ -54,8 +54,16 @@ const APART: [(&str, usize); 4] = [
     ("::onto_plane", SURFACE),
     ("::of_leaf", UNPACKING),
 ];
+const TRAVERSAL: usize = 3;
 const UNPACKING: usize = 4;
 const SURFACE: usize = 5;
+const INTERSECTION: usize = 6;
+
+/// Modules of assembly, of which no source is known.
+const ASSEMBLY: [(&str, usize); 2] = [
+    ("microlux_armv6m::walk::", TRAVERSAL),
+    ("microlux_armv6m::facets::", INTERSECTION),
+];
 
 /// Sources that serve several stages.
 const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color/", "src/sampler/warp.rs"];
@@ -67,10 +75,11 @@ const CORES: [Machine; 4] = [
     Machine::Emulated(Board::Virt),
 ];
 
-/// Functions whose calls say how much there was to do, by two parts of their names, between which types may stand.
+/// Functions (and one place in assembly) whose calls say how much there was to do, by two parts of their names, between
+/// which types may stand.
 const WORK: [(&str, [&str; 2]); 5] = [
     ("set-ups", ["shape::grid::GridRay", "::enter"]),
-    ("nodes", ["bvh::one_by_one::lateral", ", 1, "]),
+    ("nodes", ["microlux_walk", "_node"]),
     ("shapes", ["shape::Geometry", "::intersect"]),
     ("triangles", ["shape::triangle", "::intersect"]),
     ("hits", ["shape::triangle", "::meet"]),
@@ -161,12 +170,16 @@ fn stages(program: &Path, elf: &object::File) -> Result<String> {
     let loader = Loader::new(program).map_err(|error| anyhow!("{}: {error}", program.display()))?;
     let mut text = String::new();
     let mut open: Option<(Range<u64>, usize)> = None;
+    let assembly = assembly(elf);
     let code = elf
         .sections()
         .filter(|section| section.kind() == SectionKind::Text);
     for address in code.flat_map(|section| (section.address()..section.address() + section.size()).step_by(2))
     {
-        let stage = stage_at(&loader, address)?;
+        let stage = match assembly.iter().find(|(range, _)| range.contains(&address)) {
+            Some((_, stage)) => *stage,
+            None => stage_at(&loader, address)?,
+        };
         match &mut open {
             Some((range, last)) if *last == stage && range.end == address => range.end = address + 2,
             _ => {
@@ -176,6 +189,17 @@ fn stages(program: &Path, elf: &object::File) -> Result<String> {
     }
     line(&mut text, open)?;
     Ok(text)
+}
+
+/// Where the functions of assembly lie, with their stages.
+fn assembly(elf: &object::File) -> Vec<(Range<u64>, usize)> {
+    let one = |symbol: object::Symbol| {
+        let name = format!("{:#}", rustc_demangle::demangle(symbol.name().ok()?));
+        let (_, stage) = ASSEMBLY.iter().find(|(module, _)| name.contains(module))?;
+        let start = symbol.address() & !1;
+        (symbol.size() > 0).then_some((start..start + symbol.size(), *stage))
+    };
+    elf.symbols().filter_map(one).collect()
 }
 
 fn line(text: &mut String, range: Option<(Range<u64>, usize)>) -> Result<()> {
@@ -225,7 +249,12 @@ fn is_named(name: &str, [first, last]: [&str; 2]) -> bool {
 /// Names of functions by their first address.
 fn functions(elf: &object::File) -> BTreeMap<u64, String> {
     let is_arm = elf.architecture() == object::Architecture::Arm;
-    let symbols = elf.symbols().filter(|symbol| symbol.kind() == SymbolKind::Text);
+    // A place in assembly is no function.
+    let is_place =
+        |symbol: &object::Symbol| symbol.name().is_ok_and(|name| name.starts_with("microlux_walk_"));
+    let symbols = elf
+        .symbols()
+        .filter(|symbol| symbol.kind() == SymbolKind::Text || is_place(symbol));
     symbols
         .filter_map(|symbol| {
             let address = if is_arm {
