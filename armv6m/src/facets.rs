@@ -1,6 +1,7 @@
 use core::arch::naked_asm;
 use core::marker::PhantomData;
 use core::mem::offset_of;
+use core::ptr;
 
 use crate::Ray;
 
@@ -48,6 +49,18 @@ pub struct Met {
     /// Weights of the second and third corner, Q16.
     pub weights: [i32; 2],
 }
+
+/// A vertex as a ray sees it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Corner {
+    /// Steps aside; under 2^18 in magnitude.
+    pub at: [i32; 2],
+    /// Its coordinate along the dominant axis.
+    pub z: i32,
+}
+
+const _: () = assert!(size_of::<[Corner; 3]>() == 36);
 
 const NONE: usize = usize::MAX;
 /// Bytes of a triangle, and of a vertex.
@@ -97,7 +110,43 @@ impl<'a> Facets<'a> {
     #[inline(always)]
     pub fn look(&mut self, first: u32, end: u32) -> bool {
         // SAFETY: pointers and counts are those of slices that outlive this, the axis is 0 to 2.
-        unsafe { look(self, first, end) }
+        self.has_mesh() && unsafe { look(self, first, end) }
+    }
+
+    /// The same without a mesh: whose triangles are told by their corners.
+    #[inline(always)]
+    pub fn of_corners(
+        recips: &'a [u16; 128],
+        plane: i32,
+        negative: bool,
+        depth: i32,
+        once: bool,
+    ) -> Facets<'a> {
+        let ray = Ray {
+            plane,
+            slopes: [0; 2],
+            offsets: [0; 2],
+            negative,
+            axis: 0,
+        };
+        Facets {
+            vertices: ptr::null(),
+            triangles: ptr::null(),
+            ..Facets::new(&[], &[], recips, &ray, depth, once)
+        }
+    }
+
+    /// Looks at the triangle with these corners, of [`Facets::of_corners`]: whether it is nearer, if asked `once`.
+    #[inline(always)]
+    pub fn test(&mut self, corners: &[Corner; 3], triangle: u32) -> bool {
+        // SAFETY: without vertices, what is looked at are three corners.
+        !self.has_mesh() && unsafe { look(self, ptr::from_ref(corners) as u32, triangle) }
+    }
+
+    /// Whether it is not [`Facets::of_corners`].
+    #[inline(always)]
+    pub(crate) fn has_mesh(&self) -> bool {
+        !self.vertices.is_null()
     }
 
     /// Of the nearest hit, or beyond which nothing is wanted.
@@ -114,10 +163,12 @@ impl<'a> Facets<'a> {
             b2,
             triangle,
         } = self.nearest;
+        let is_met = triangle != NONE;
         // An exact quotient: by 2, and by the inverse of 3 modulo 2^32.
         let index = ((triangle.wrapping_sub(self.triangles as usize)) as u32 >> 1).wrapping_mul(0xaaaa_aaab);
-        (triangle != NONE).then_some(Met {
-            triangle: index,
+        let triangle = if self.has_mesh() { index } else { triangle as u32 };
+        is_met.then_some(Met {
+            triangle,
             depth,
             weights: [b1, b2],
         })
@@ -210,7 +261,7 @@ macro_rules! share {
     };
 }
 
-/// r0: facets. r1, r2: the first triangle and behind the last. Whether it stopped at what is nearer.
+/// r0: facets. r1, r2: the first triangle and behind the last; without vertices, a triangle's corners and its number. Whether it stopped at what is nearer.
 ///
 /// Of the stack: the facets' second half, the end, the number of vertices, the loop for the dominant axis; two words of an
 /// edge. High registers: vertices; slope and offset across, of either axis; the triangle. r1, r2, r3: what the ray sees of
@@ -235,6 +286,31 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "mov r10, r5",
         "mov r11, r6",
         "mov r12, r7",
+        "cmp r3, #0",
+        "bne 22f",
+        // Three corners at r1, of the triangle in r2; nothing comes after it.
+        "microlux_facets_corners:",
+        "mov lr, r2",
+        "adr r5, 20f",
+        "ldr r5, [r5, #12]",
+        "adds r0, #12",
+        "str r0, [sp]",
+        "str r1, [sp, #4]",
+        "str r5, [sp, #12]",
+        "ldr r7, [r1, #4]",
+        "ldr r6, [r1, #16]",
+        "ldr r5, [r1, #28]",
+        "ldr r2, [r1, #12]",
+        "ldr r3, [r1, #24]",
+        "ldr r1, [r1]",
+        "b 23f",
+        "2:",
+        "b 25f",
+        "23:",
+        beside!("r1", "r2", "r3"),
+        beside!("r7", "r6", "r5"),
+        "b 50f",
+        "22:",
         "ldmia r0!, {{r3, r4, r5}}",
         "cmp r2, r5",
         "bls 21f",
@@ -257,7 +333,7 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "b 27f",
         ".balign 4",
         "20:",
-        ".word 30f - 28f - 4, 31f - 28f - 4, 32f - 28f - 4",
+        ".word 30f - 28f - 4, 31f - 28f - 4, 32f - 28f - 4, 25f - 28f - 4",
         "25:",
         "movs r0, #0",
         "26:",
@@ -376,16 +452,8 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "orrs r7, r6",
         "beq 61b",
         "lsrs r7, r3, #22",
-        "bne 63f",
-        "lsls r0, r0, #8",
-        "orrs r0, r4",
-        "lsls r1, r1, #8",
-        "orrs r1, r5",
-        "lsls r2, r2, #8",
-        "orrs r2, r6",
-        "b 70f",
+        "beq 63f",
         // Seven bits less.
-        "63:",
         "lsls r0, r0, #1",
         "lsrs r4, r4, #7",
         "orrs r0, r4",
@@ -395,7 +463,17 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "lsls r2, r2, #1",
         "lsrs r6, r6, #7",
         "orrs r2, r6",
+        "b 70f",
+        "63:",
+        "lsls r0, r0, #8",
+        "orrs r0, r4",
+        "lsls r1, r1, #8",
+        "orrs r1, r5",
+        "lsls r2, r2, #8",
+        "orrs r2, r6",
+        "b 70f",
         // Met, u, v, w in r0, r1, r2. 1/(u + v + w): a guess, a Newton step in 16 bits, one in 32.
+        "microlux_facets_met:",
         "70:",
         "adds r0, r0, r1",
         "adds r0, r0, r2",
@@ -460,6 +538,16 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "73:",
         "movs r2, r3",
         // Depths of the corners: r3, and what b and c have more than a: r4, r5.
+        "mov r7, r8",
+        "cmp r7, #0",
+        "bne 81f",
+        "ldr r7, [sp, #4]",
+        "ldr r3, [r7, #8]",
+        "ldr r4, [r7, #20]",
+        "ldr r5, [r7, #32]",
+        "ldr r6, [sp]",
+        "b 82f",
+        "81:",
         "mov r7, lr",
         "ldrh r3, [r7]",
         "ldrh r4, [r7, #2]",
@@ -477,6 +565,7 @@ pub(crate) unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) 
         "ldrh r3, [r3, r0]",
         "ldrh r4, [r4, r0]",
         "ldrh r5, [r5, r0]",
+        "82:",
         "subs r4, r4, r3",
         "subs r5, r5, r3",
         "ldr r0, [r6, #{plane}]",

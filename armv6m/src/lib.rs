@@ -44,7 +44,7 @@ mod facets;
 #[cfg(target_arch = "arm")]
 mod walk;
 #[cfg(target_arch = "arm")]
-pub use facets::{Facets, Met};
+pub use facets::{Corner, Facets, Met};
 #[cfg(target_arch = "arm")]
 pub use walk::{Leaves, Order, Ray, Walk};
 

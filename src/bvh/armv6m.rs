@@ -3,10 +3,10 @@
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::num::RECIPS;
-use crate::shape::{GridRay, MeshHit, TriangleMesh};
+use crate::shape::{DEPTH_BITS, GridRay, MeshHit, PackedMesh, SLOPE_BITS, Triangles};
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
-use microlux_armv6m::{self as assembly, Facets, Walk};
+use microlux_armv6m::{self as assembly, Corner, Facets, Walk};
 use zerocopy::IntoBytes;
 
 /// At the root of a tree.
@@ -65,17 +65,25 @@ fn seen(ray: &GridRay) -> assembly::Ray {
     }
 }
 
-/// [`super::closest`] of a mesh as it is indexed.
+/// What of a mesh's triangles is looked at in assembly, before `depth`.
 #[inline(always)]
-pub fn closest(
-    mesh: &TriangleMesh,
-    nodes: &[Node],
-    ray: &GridRay,
-    depth: i32,
-    t_max: i32,
-) -> Option<MeshHit> {
-    let mut facets = Facets::new(mesh.vertices, mesh.triangles, &RECIPS, &seen(ray), depth, false);
-    begin(&mut MaybeUninit::uninit(), nodes, ray, Order::Entry)?.look(&mut facets);
+fn facets<'a>(mesh: &Triangles<'a>, ray: &GridRay, depth: i32, once: bool) -> Facets<'a> {
+    match mesh {
+        Triangles::Plain(mesh) => {
+            Facets::new(mesh.vertices, mesh.triangles, &RECIPS, &seen(ray), depth, once)
+        }
+        Triangles::Packed(_) => Facets::of_corners(&RECIPS, ray.plane, ray.negative, depth, once),
+    }
+}
+
+/// [`super::closest`].
+#[inline(always)]
+pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &GridRay, depth: i32, t_max: i32) -> Option<MeshHit> {
+    let facets = &mut facets(mesh, ray, depth, false);
+    match mesh {
+        Triangles::Plain(_) => begin(&mut MaybeUninit::uninit(), nodes, ray, Order::Entry)?.look(facets),
+        Triangles::Packed(mesh) => traverse(nodes, ray, &mut Nearest { mesh, facets }),
+    }
     let met = facets.met()?;
     let t = ray.distance(met.depth);
     let [b1, b2] = met.weights;
@@ -87,27 +95,79 @@ pub fn closest(
     })
 }
 
-/// [`super::occluded`] by one.
+/// [`super::occluded`].
 #[inline(always)]
-pub fn occluded(mesh: &TriangleMesh, nodes: &[Node], ray: &GridRay, t_max: i32) -> bool {
-    let mut any = Any {
-        facets: Facets::new(mesh.vertices, mesh.triangles, &RECIPS, &seen(ray), i32::MAX, true),
+pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &GridRay, t_max: i32) -> bool {
+    let facets = &mut facets(mesh, ray, i32::MAX, true);
+    let mut way = Way {
+        facets,
         limit: ray.limit(t_max),
         t_max,
         found: false,
     };
-    traverse(nodes, ray, &mut any);
-    any.found
+    match mesh {
+        Triangles::Plain(_) => traverse(nodes, ray, &mut way),
+        Triangles::Packed(mesh) => traverse(nodes, ray, &mut Any { mesh, way: &mut way }),
+    }
+    way.found
 }
 
-struct Any<'a> {
-    facets: Facets<'a>,
+#[inline(always)]
+fn corner<const K: usize>(ray: &GridRay) -> impl Fn(&[u16; 3]) -> Corner + Copy {
+    move |v| Corner {
+        at: [
+            ray.across::<K, 0>(v) >> SLOPE_BITS,
+            ray.across::<K, 1>(v) >> SLOPE_BITS,
+        ],
+        z: v[K].into(),
+    }
+}
+
+/// The nearest hit with a packed mesh.
+struct Nearest<'f, 'a> {
+    mesh: &'f PackedMesh<'a>,
+    facets: &'f mut Facets<'a>,
+}
+
+impl Visitor for Nearest<'_, '_> {
+    #[inline(always)]
+    fn limit(&self) -> i32 {
+        self.facets.depth() >> DEPTH_BITS
+    }
+
+    #[inline(never)]
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        let (mesh, facets) = (self.mesh, &mut *self.facets);
+        mesh.each_of_leaf(base, leaf, corner::<K>(ray), |number, corners| {
+            facets.test(corners, number);
+            ControlFlow::Continue(())
+        })
+    }
+}
+
+/// Whether anything is in the way.
+struct Way<'f, 'a> {
+    facets: &'f mut Facets<'a>,
     limit: i32,
     t_max: i32,
     found: bool,
 }
 
-impl Visitor for Any<'_> {
+impl Way<'_, '_> {
+    /// Breaks if what has been met is in the way. What is not keeps away only what lies farther.
+    #[inline(always)]
+    fn within(&mut self, ray: &GridRay) -> ControlFlow<()> {
+        self.found = ray.distance(self.facets.depth()) < self.t_max;
+        if self.found {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// Of a mesh as it is indexed.
+impl Visitor for Way<'_, '_> {
     const BY_AXIS: bool = false;
     const ORDER: Order = Order::Any;
 
@@ -116,19 +176,40 @@ impl Visitor for Any<'_> {
         self.limit
     }
 
-    /// One that is not in the way keeps away only what lies farther.
     #[inline(always)]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let mut first = base + (leaf & 15);
         let end = first + (leaf >> 4);
         while self.facets.look(first, end) {
-            let Some(met) = self.facets.met() else { break };
-            if ray.distance(met.depth) < self.t_max {
-                self.found = true;
-                return ControlFlow::Break(());
-            }
-            first = met.triangle + 1;
+            self.within(ray)?;
+            first = self.facets.met().map_or(end, |met| met.triangle + 1);
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// Of a packed mesh.
+struct Any<'f, 'w, 'a> {
+    mesh: &'f PackedMesh<'a>,
+    way: &'f mut Way<'w, 'a>,
+}
+
+impl Visitor for Any<'_, '_, '_> {
+    const ORDER: Order = Order::Any;
+
+    #[inline(always)]
+    fn limit(&self) -> i32 {
+        self.way.limit
+    }
+
+    #[inline(never)]
+    fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
+        let (mesh, way) = (self.mesh, &mut *self.way);
+        mesh.each_of_leaf(base, leaf, corner::<K>(ray), |number, corners| {
+            if way.facets.test(corners, number) {
+                way.within(ray)?;
+            }
+            ControlFlow::Continue(())
+        })
     }
 }

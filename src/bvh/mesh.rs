@@ -1,7 +1,9 @@
 //! A ray against a mesh: the nearest hit, or any; with a tree, or through the list.
 
 use super::node::Node;
-use super::traverse::{Order, Visitor, traverse};
+#[cfg(not(assembly))]
+use super::traverse::traverse;
+use super::traverse::{Order, Visitor};
 use crate::geom::Ray;
 use crate::shape::triangle::TriangleHit;
 use crate::shape::{DEPTH_BITS, GridRay, MeshHit, Slopes, Triangles};
@@ -17,12 +19,13 @@ pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_m
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
     #[cfg(assembly)]
-    if let Triangles::Plain(mesh) = mesh {
-        return super::armv6m::closest(mesh, nodes, ray, depth, t_max);
+    return super::armv6m::closest(mesh, nodes, ray, depth, t_max);
+    #[cfg(not(assembly))]
+    {
+        let mut nearest = Nearest::within(mesh, depth);
+        traverse(nodes, ray, &mut nearest);
+        nearest.hit(ray, t_max)
     }
-    let mut nearest = Nearest::within(mesh, depth);
-    traverse(nodes, ray, &mut nearest);
-    nearest.hit(ray, t_max)
 }
 
 /// The same answer from all triangles in turn.
@@ -40,17 +43,18 @@ pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_
         return false;
     };
     #[cfg(assembly)]
-    if let Triangles::Plain(mesh) = mesh {
-        return super::armv6m::occluded(mesh, nodes, ray, t_max);
+    return super::armv6m::occluded(mesh, nodes, ray, t_max);
+    #[cfg(not(assembly))]
+    {
+        let mut any = Any {
+            mesh,
+            limit: ray.limit(t_max),
+            t_max,
+            found: false,
+        };
+        traverse(nodes, ray, &mut any);
+        any.found
     }
-    let mut any = Any {
-        mesh,
-        limit: ray.limit(t_max),
-        t_max,
-        found: false,
-    };
-    traverse(nodes, ray, &mut any);
-    any.found
 }
 
 /// The same answer from all triangles in turn.

@@ -24,10 +24,10 @@ mod triangles;
 use crate::geom::{Dir, Point, Ray};
 
 pub use attributes::{Attributes, Layers};
-pub(crate) use grid::DEPTH_BITS;
-pub use grid::{Bounds, Grid, GridRay, Slopes};
 #[cfg(not(assembly))]
-pub(crate) use grid::{Rise, SLOPE_BITS};
+pub(crate) use grid::Rise;
+pub use grid::{Bounds, Grid, GridRay, Slopes};
+pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
 pub use implicit::{
     Blob, Bound, Capsule, FINEST, Gyroid, Implicit, ImplicitError, MAX_BLOBS, Metaballs, RoundedBox,
     SmoothUnion, Torus,

@@ -19,6 +19,7 @@ use super::attributes::Layers;
 use super::grid::{Bounds, Grid};
 use super::mesh::MeshError;
 use crate::geom::Octahedral;
+use core::ops::ControlFlow;
 use zerocopy::{FromBytes, Immutable, KnownLayout};
 
 /// Up to 256 vertices near to each other.
@@ -191,6 +192,32 @@ impl<'a> PackedMesh<'a> {
             codes: u32::from(head | 3),
             corners: [(); 3],
         })
+    }
+
+    /// Each triangle of a leaf, its number and what `see` makes of its corners, until `look` breaks.
+    ///
+    /// The leaf as [`super::Triangles::of_leaf`] takes it.
+    #[inline(always)]
+    pub(crate) fn each_of_leaf<T: Copy>(
+        &self,
+        base: u32,
+        leaf: u32,
+        see: impl Fn(&[u16; 3]) -> T + Copy,
+        mut look: impl FnMut(u32, &[T; 3]) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let strip = self.leaf(base, leaf >> 2 & 3);
+        let Some(mut strip) = strip.and_then(|strip| strip.begin(self, see)) else {
+            return ControlFlow::Continue(());
+        };
+        let first = base << 4 | leaf & 12;
+        let mut number = first;
+        loop {
+            look(number, &strip.corners)?;
+            number += 1;
+            if number - first >= leaf >> 4 || strip.advance(self, see).is_none() {
+                return ControlFlow::Continue(());
+            }
+        }
     }
 
     /// The corners of the triangle with a number, grid coordinates.

@@ -284,21 +284,9 @@ impl Triangles<'_> {
             }
             Triangles::Packed(mesh) => {
                 let see = |vertex: &[u16; 3]| Seen::new::<K>(ray, vertex);
-                let strip = mesh.leaf(base, leaf >> 2 & 3);
-                let Some(mut strip) = strip.and_then(|strip| strip.begin(mesh, see)) else {
-                    return ControlFlow::Continue(());
-                };
-                let first = base << 4 | leaf & 12;
-                let mut number = first;
-                loop {
-                    if let Some(hit) = intersect(ray, &strip.corners) {
-                        met(number, hit)?;
-                    }
-                    number += 1;
-                    if number - first >= leaf >> 4 || strip.advance(mesh, see).is_none() {
-                        return ControlFlow::Continue(());
-                    }
-                }
+                mesh.each_of_leaf(base, leaf, see, |number, corners| {
+                    intersect(ray, corners).map_or(ControlFlow::Continue(()), |hit| met(number, hit))
+                })
             }
         }
     }

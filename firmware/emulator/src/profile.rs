@@ -75,14 +75,14 @@ const CORES: [Machine; 4] = [
     Machine::Emulated(Board::Virt),
 ];
 
-/// Functions (and one place in assembly) whose calls say how much there was to do, by two parts of their names, between
+/// Functions (and places in assembly) whose calls say how much there was to do, by two parts of their names, between
 /// which types may stand.
 const WORK: [(&str, [&str; 2]); 5] = [
     ("set-ups", ["shape::grid::GridRay", "::enter"]),
     ("nodes", ["microlux_walk", "_node"]),
     ("shapes", ["shape::Geometry", "::intersect"]),
-    ("triangles", ["shape::triangle", "::intersect"]),
-    ("hits", ["shape::triangle", "::meet"]),
+    ("triangles", ["microlux_facets", "_corners"]),
+    ("hits", ["microlux_facets", "_met"]),
 ];
 
 /// Profiles each core and writes the rows.
@@ -250,8 +250,7 @@ fn is_named(name: &str, [first, last]: [&str; 2]) -> bool {
 fn functions(elf: &object::File) -> BTreeMap<u64, String> {
     let is_arm = elf.architecture() == object::Architecture::Arm;
     // A place in assembly is no function.
-    let is_place =
-        |symbol: &object::Symbol| symbol.name().is_ok_and(|name| name.starts_with("microlux_walk_"));
+    let is_place = |symbol: &object::Symbol| symbol.name().is_ok_and(|name| name.starts_with("microlux_"));
     let symbols = elf
         .symbols()
         .filter(|symbol| symbol.kind() == SymbolKind::Text || is_place(symbol));
