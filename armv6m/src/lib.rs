@@ -1,10 +1,14 @@
-//! The inner loop of microlux' network, where the compiler knows only seven registers of a Cortex-M0+: sums of products
+//! Inner loops of microlux, where the compiler knows only seven registers of a Cortex-M0+: what stays the same, and sums,
 //! stand in the upper eight.
+//!
+//! `Walk` goes through a tree along a ray, `Facets` looks at triangles; the core has the portable twin of both, and
+//! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`] is
+//! the network's.
 //!
 //! A word of weights holds two, of which one multiplication makes two products (`Weights::new` says why their sums stay
 //! apart). Cycles of an activation: 18 by four words, 15 by three; 9 where it is 0. Compiled code takes 25 to 45.
 //!
-//! Only ARM has the assembly; elsewhere [`sums`] is [`plain`].
+//! Only ARM has the assembly; elsewhere [`sums`] is [`plain`], and the rest is not there.
 
 #![no_std]
 

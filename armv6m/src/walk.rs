@@ -250,6 +250,8 @@ macro_rules! across {
 
 /// r0: walk. r1: axis. r2: order. r3: first guesses of reciprocals. What the walk has of these and of its ray.
 ///
+/// Cycles: 64, and 45 for each axis where order is by where the ray enters.
+///
 /// # Safety
 ///
 /// The axis is 0 to 2; of the walk there are slopes and flip.
@@ -324,9 +326,12 @@ macro_rules! meta {
 /// Of the stack: the walk, the limit, the node's place, its origin along the axis; where the tests and the depths begin. High registers: slopes, bounds of the two axes across, range along the axis; the last two are free where
 /// children are sorted.
 ///
+/// Cycles: 86 a call; 64 a node; 41 a child that is met, 13 to 36 one that is not; where several are met, 12 and 85 for each
+/// that is a node.
+///
 /// # Safety
 ///
-/// The walk is as [`Walk::new`] made it, or as this has left it.
+/// The walk is as [`Walk::begin`] made it, or as this has left it.
 #[unsafe(naked)]
 unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
     naked_asm!(

@@ -195,7 +195,7 @@ fn stages(program: &Path, elf: &object::File) -> Result<String> {
 fn assembly(elf: &object::File) -> Vec<(Range<u64>, usize)> {
     let one = |symbol: object::Symbol| {
         let name = format!("{:#}", rustc_demangle::demangle(symbol.name().ok()?));
-        let (_, stage) = ASSEMBLY.iter().find(|(module, _)| name.contains(module))?;
+        let (_, stage) = ASSEMBLY.iter().find(|(module, _)| name.starts_with(module))?;
         let start = symbol.address() & !1;
         (symbol.size() > 0).then_some((start..start + symbol.size(), *stage))
     };
