@@ -390,10 +390,10 @@ mod tests {
 
     #[test]
     fn functions_are_known_whatever_their_types() {
-        let name = "microlux::shape::triangle::intersect";
+        let name = "microlux::shape::Geometry::intersect";
         let found: Vec<_> = WORK.iter().filter(|(_, parts)| is_named(name, *parts)).collect();
         assert_eq!(found.len(), 1);
-        assert_eq!(found[0].0, "triangles");
+        assert_eq!(found[0].0, "shapes");
     }
 
     #[test]
