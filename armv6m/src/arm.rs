@@ -7,7 +7,7 @@ struct Run {
     end: *const u8,
 }
 
-/// `PAIRS` is 3 or 4, and there are no fewer words than activations.
+/// `PAIRS` is 2, 3 or 4, and there are no fewer words than activations.
 #[inline]
 pub fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
@@ -22,7 +22,11 @@ pub fn sums<const PAIRS: usize, const RUNS: usize>(
     });
     let range = runs.as_ptr_range();
     let mut sums = [0; PAIRS];
-    let add = if PAIRS == 3 { three } else { four };
+    let add = match PAIRS {
+        2 => two,
+        3 => three,
+        _ => four,
+    };
     // SAFETY: `runs` are slices one after the other, `words` has `PAIRS` words for each of their bytes (the caller's
     // promise), and `sums` has room for as many.
     unsafe { add(sums.as_mut_ptr(), range.start, range.end, words.as_ptr().cast()) }
@@ -33,6 +37,15 @@ pub fn sums<const PAIRS: usize, const RUNS: usize>(
 /// is the place behind.
 #[rustfmt::skip]
 macro_rules! step {
+    (2, $at:literal, $zero:literal, $next:literal) => {
+        concat!(
+            "ldrb r0, [r1, #", $at, "]; cmp r0, #0; beq ", $zero, "f;",
+            "ldmia r3!, {{r4, r5}};",
+            "muls r4, r0, r4; muls r5, r0, r5;",
+            "add r8, r4; add r9, r5;",
+            $next, ":",
+        )
+    };
     (3, $at:literal, $zero:literal, $next:literal) => {
         concat!(
             "ldrb r0, [r1, #", $at, "]; cmp r0, #0; beq ", $zero, "f;",
@@ -136,5 +149,6 @@ macro_rules! kernel {
     };
 }
 
+kernel!(two, 2, "r4, r5");
 kernel!(three, 3, "r4, r5, r6");
 kernel!(four, 4, "r4, r5, r6, r7");

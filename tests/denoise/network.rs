@@ -3,8 +3,8 @@
 use microlux::color::Rgb9e5;
 use microlux::film::Feature;
 use microlux::film::denoise::network::{
-    BIASES, CHANNELS, CHECKSUM, HEAD, INPUTS, Input, LAYERS, LEVELS, MAX_SIDE, Needs, Network, NetworkError,
-    Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
+    BIASES, CHANNELS, CHECKSUM, FEATURES, HEAD, INPUTS, Input, LAYERS, LEVELS, MAX_SIDE, Needs, Network,
+    NetworkError, Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
 use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
@@ -15,26 +15,26 @@ use crate::{Backwards, Random, Threads};
 /// Memory with something in it.
 struct Room {
     fine: Vec<[u8; HEAD]>,
-    coarse: Vec<u32>,
-    work: Vec<u32>,
+    near: Vec<u32>,
+    far: Vec<u32>,
 }
 
 impl Room {
     fn new(width: usize, height: usize, fill: u8) -> Room {
-        let Needs { fine, coarse, work } = Needs::of(width, height);
+        let Needs { fine, near, far } = Needs::of(width, height);
         let word = u32::from(fill) * 0x0101_0101;
         Room {
             fine: vec![[fill; HEAD]; fine],
-            coarse: vec![word; coarse],
-            work: vec![word; work],
+            near: vec![word; near],
+            far: vec![word; far],
         }
     }
 
     fn lend(&mut self) -> Scratch<'_> {
         Scratch {
             fine: &mut self.fine,
-            coarse: &mut self.coarse,
-            work: &mut self.work,
+            near: &mut self.near,
+            far: &mut self.far,
         }
     }
 }
@@ -193,7 +193,7 @@ fn plainly(
         let all = sums(11 + level, from).into_iter();
         all.map(|sum| {
             core::array::from_fn(|i| {
-                if i < 6 {
+                if i < FEATURES {
                     round(sum[i], 128.0).clamp(-128, 127)
                 } else {
                     (128 + round(sum[i], 16.0)).clamp(0, 255)
@@ -237,7 +237,7 @@ fn two_sums_in_a_word_are_both_sums() {
             assert_eq!(heads.len(), plain[level].len());
             for (head, plain) in heads.iter().zip(&plain[level]) {
                 let head: [i32; HEAD] = core::array::from_fn(|i| {
-                    if i < 6 {
+                    if i < FEATURES {
                         i32::from(head[i] as i8)
                     } else {
                         head[i].into()
@@ -443,28 +443,18 @@ fn what_sees_nothing_keeps_its_light() {
 #[test]
 fn what_is_short_is_named() {
     let [width, height] = [33, 17];
-    let needs = Needs::of(width, height);
-    let refused = |fine: usize, coarse: usize, work: usize| {
+    let Needs { fine, near, far } = Needs::of(width, height);
+    let refused = |less: [usize; 3]| {
         let mut room = Room::new(width, height, 0);
-        room.fine.truncate(fine);
-        room.coarse.truncate(coarse);
-        room.work.truncate(work);
+        room.fine.truncate(fine - less[0]);
+        room.near.truncate(near - less[1]);
+        room.far.truncate(far - less[2]);
         Network::new(TRAINED, width, height, room.lend()).err()
     };
-    let Needs { fine, coarse, work } = needs;
-    assert_eq!(refused(fine, coarse, work), None);
-    assert_eq!(
-        refused(fine - 1, coarse, work),
-        Some(NetworkError::Fine { needed: fine })
-    );
-    assert_eq!(
-        refused(fine, coarse - 1, work),
-        Some(NetworkError::Coarse { needed: coarse })
-    );
-    assert_eq!(
-        refused(fine, coarse, work - 1),
-        Some(NetworkError::Work { needed: work })
-    );
+    assert_eq!(refused([0; 3]), None);
+    assert_eq!(refused([1, 0, 0]), Some(NetworkError::Fine { needed: fine }));
+    assert_eq!(refused([0, 1, 0]), Some(NetworkError::Near { needed: near }));
+    assert_eq!(refused([0, 0, 1]), Some(NetworkError::Far { needed: far }));
     for [width, height] in [[0, 4], [4, 0], [MAX_SIDE + 1, 4], [usize::MAX; 2]] {
         let mut room = Room::new(4, 4, 0);
         let error = Network::new(TRAINED, width, height, room.lend()).err();
@@ -488,8 +478,8 @@ fn what_is_short_is_named() {
     let (width, height) = (33, 0);
     let error = Neural::new(TRAINED, size, 1, &mut memory).err();
     assert_eq!(error, Some(NetworkError::Size { width, height }));
-    let words = NetworkError::Work { needed: 7 }.to_string();
-    assert_eq!(words, "scratch.work is short: 7 words are needed");
+    let words = NetworkError::Near { needed: 7 }.to_string();
+    assert_eq!(words, "scratch.near is short: 7 words are needed");
 }
 
 #[test]
@@ -522,17 +512,12 @@ fn trained_weights_are_those_that_were_exported() {
 
 #[test]
 fn memory_at_the_size_of_a_small_display() {
-    let Needs { fine, coarse, work } = Needs::of(80, 60);
-    assert_eq!([8 * fine, 4 * coarse, 4 * work], [38_400, 20_480, 13_952]);
-    let size = Size {
-        width: 80,
-        height: 60,
-    };
-    assert_eq!(4 * Neural::needs(size), 20_480);
-    let size = Size {
-        width: 24,
-        height: 20,
-    };
-    let Needs { coarse, work, .. } = Needs::of(24, 20);
-    assert_eq!(Neural::needs(size), coarse + work);
+    let needs = Needs::of(80, 60);
+    let bytes = [HEAD * needs.fine, 4 * needs.near, 4 * needs.far];
+    assert_eq!(bytes, [38_400, 19_200, 9_000]);
+    // What is of half the size has the answer's place; not so in a picture of few pixels, whose rows do not fit there.
+    let own = |width: u16, height: u16| Neural::needs(Size { width, height });
+    assert_eq!(own(80, 60), needs.far);
+    let Needs { near, far, .. } = Needs::of(24, 20);
+    assert_eq!(own(24, 20), near + far);
 }

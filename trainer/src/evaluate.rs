@@ -225,7 +225,7 @@ pub fn params(state: Option<&Path>) -> Result<Params> {
     }
     let (weights, biases) = TRAINED.tables();
     Ok(Params {
-        size: Size::S,
+        size: Size::Xs,
         weights: weights.iter().map(|&w| w.into()).collect(),
         biases: biases.iter().map(|&b| b.into()).collect(),
     })

@@ -52,7 +52,7 @@ pub fn rounded(params: &Params) -> Result<(Box<[i8; WEIGHTS]>, Box<[i16; BIASES]
     let seen = params.seen(Mode::Integer);
     let weights: Vec<i8> = seen.weights.iter().map(|&w| w as i8).collect();
     let biases: Vec<i16> = seen.biases.iter().map(|&b| b as i16).collect();
-    let other = || anyhow!("size {}: the core has size s", params.size.name());
+    let other = || anyhow!("size {}: the core has size xs", params.size.name());
     let weights: Box<[i8; WEIGHTS]> = weights.try_into().map_err(|_| other())?;
     let biases: Box<[i16; BIASES]> = biases.try_into().map_err(|_| other())?;
     Weights::new(&weights, &biases).map_err(|error| anyhow!("{error:?}: sums do not fit"))?;

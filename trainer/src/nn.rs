@@ -5,7 +5,7 @@
 //! every sum is a whole number below 2^24, heads are the core's bit for bit. Backwards rounding counts as no change
 //! (straight through).
 
-use microlux::film::denoise::network::{EXP, HEAD, INPUTS, LEVELS};
+use microlux::film::denoise::network::{EXP, FEATURES, HEAD, INPUTS, LEVELS};
 use wide::f32x8;
 
 use crate::size::Size;
@@ -392,11 +392,17 @@ fn join(coarse: &Planes, fine: &Planes) -> Planes {
     out
 }
 
+/// A pixel's head: features, confidence, blend, and nothing.
+pub type Head = [f32; LANES];
+
+const CONFIDENCE: usize = FEATURES;
+const BLEND: usize = FEATURES + 1;
+
 /// Heads of one size, pixel by pixel, and whether confidence and blend were within range.
 pub struct Heads {
     pub height: usize,
     pub width: usize,
-    pub heads: Vec<[f32; HEAD]>,
+    pub heads: Vec<Head>,
     within: Vec<[bool; 2]>,
 }
 
@@ -495,14 +501,12 @@ fn head(params: &Params, level: usize, input: &Planes, mode: Mode) -> Heads {
     let heads = (0..size)
         .map(|at| {
             let sum = |c: usize| sums.data[c * size + at];
-            let free = [6, 7].map(|c| 128.0 + round(sum(c) / 16.0));
+            let free = [CONFIDENCE, BLEND].map(|c| 128.0 + round(sum(c) / 16.0));
             within.push(free.map(|x| (0.0..=255.0).contains(&x)));
-            core::array::from_fn(|c| {
-                if c < 6 {
-                    round(sum(c) / 128.0).clamp(-128.0, 127.0)
-                } else {
-                    free[c - 6].clamp(0.0, 255.0)
-                }
+            core::array::from_fn(|c| match c {
+                CONFIDENCE | BLEND => free[c - FEATURES].clamp(0.0, 255.0),
+                c if c < FEATURES => round(sum(c) / 128.0).clamp(-128.0, 127.0),
+                _ => 0.0,
             })
         })
         .collect();
@@ -515,7 +519,7 @@ fn head(params: &Params, level: usize, input: &Planes, mode: Mode) -> Heads {
 }
 
 /// Backwards from gradients of heads; those of weights and biases are added to `grad`.
-pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<[f32; HEAD]>], grad: &mut Params) {
+pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<Head>], grad: &mut Params) {
     // What comes down from the finer size, for the coarser one's convolved activations.
     let mut from_finer: Option<Planes> = None;
     let mut skips: Vec<Planes> = Vec::new();
@@ -588,20 +592,20 @@ fn head_back(
     level: usize,
     input: &Planes,
     heads: &Heads,
-    d: &[[f32; HEAD]],
+    d: &[Head],
     grad: &mut Params,
 ) -> Planes {
     let size = input.height * input.width;
     let mut sums = Planes::new(HEAD, input.height, input.width);
     for (at, d) in d.iter().enumerate() {
-        for c in 0..6 {
+        for c in 0..FEATURES {
             sums.data[c * size + at] = d[c] / 128.0;
         }
-        for c in 6..HEAD {
+        for c in FEATURES..HEAD {
             // Out of range, but on the way back: let it.
             let value = heads.heads[at][c];
             let back = (value <= 0.0 && d[c] < 0.0) || (value >= 255.0 && d[c] > 0.0);
-            if heads.within[at][c - 6] || back {
+            if heads.within[at][c - FEATURES] || back {
                 sums.data[c * size + at] = d[c] / 16.0;
             }
         }
@@ -625,11 +629,19 @@ pub struct Filtered {
     pub out: Vec<Vec<Light>>,
 }
 
-/// The weight by features, and their differences (nothing in the last two).
+/// The weight by features, and their differences (nothing behind them).
 #[inline(always)]
-fn affinity(a: &[f32; HEAD], b: &[f32; HEAD], mode: Mode) -> (f32, Lanes) {
-    const FEATURES: [f32; HEAD] = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0];
-    let difference = (f32x8::from(*a) - f32x8::from(*b)) * f32x8::from(FEATURES);
+fn affinity(a: &Head, b: &Head, mode: Mode) -> (f32, Lanes) {
+    const ONES: Head = {
+        let mut ones = [0.0; LANES];
+        let mut i = 0;
+        while i < FEATURES {
+            ones[i] = 1.0;
+            i += 1;
+        }
+        ones
+    };
+    let difference = (f32x8::from(*a) - f32x8::from(*b)) * f32x8::from(ONES);
     let square = (difference * difference).reduce_add();
     let weight = match mode {
         Mode::Float => (-square / 64.0).exp(),
@@ -640,18 +652,18 @@ fn affinity(a: &[f32; HEAD], b: &[f32; HEAD], mode: Mode) -> (f32, Lanes) {
 
 /// `to` += `by` · `difference`.
 #[inline(always)]
-fn shift(to: &mut [f32; HEAD], by: f32, difference: Lanes) {
+fn shift(to: &mut Head, by: f32, difference: Lanes) {
     *to = difference.mul_add(f32x8::splat(by), f32x8::from(*to)).to_array();
 }
 
 #[inline(always)]
-fn confidence(head: &[f32; HEAD]) -> f32 {
-    (head[6] + 1.0) / 256.0
+fn confidence(head: &Head) -> f32 {
+    (head[CONFIDENCE] + 1.0) / 256.0
 }
 
 /// A neighbour's weight.
 #[inline(always)]
-fn weight(e: f32, other: &[f32; HEAD], mode: Mode) -> f32 {
+fn weight(e: f32, other: &Head, mode: Mode) -> f32 {
     let w = e * confidence(other);
     match mode {
         Mode::Float => w,
@@ -660,10 +672,17 @@ fn weight(e: f32, other: &[f32; HEAD], mode: Mode) -> f32 {
     }
 }
 
-fn blend(head: &[f32; HEAD], mode: Mode) -> f32 {
+/// What a pixel counts in the coarser one's light: never nothing, by one of 1020. Its affinity and their differences, too.
+#[inline(always)]
+fn shrinks(fine: &Head, coarse: &Head, mode: Mode) -> (f32, f32, Lanes) {
+    let (e, difference) = affinity(fine, coarse, mode);
+    (weight(e, fine, mode) + 1.0 / 1020.0, e, difference)
+}
+
+fn blend(head: &Head, mode: Mode) -> f32 {
     match mode {
-        Mode::Float => head[7] / 255.0,
-        Mode::Integer => (head[7] + if head[7] >= 128.0 { 1.0 } else { 0.0 }) / 256.0,
+        Mode::Float => head[BLEND] / 255.0,
+        Mode::Integer => (head[BLEND] + if head[BLEND] >= 128.0 { 1.0 } else { 0.0 }) / 256.0,
     }
 }
 
@@ -701,7 +720,7 @@ pub fn filter(irradiance: &[Light], heads: &[Heads], mode: Mode) -> Filtered {
         for (at, out) in shrunk.iter_mut().enumerate() {
             let mut total = 0.0;
             for from in quad(at, fine, coarse) {
-                let w = confidence(&fine.heads[from]);
+                let (w, ..) = shrinks(&fine.heads[from], &coarse.heads[at], mode);
                 total += w;
                 (0..4).for_each(|c| out[c] += w * light[level - 1][from][c]);
             }
@@ -799,8 +818,8 @@ pub fn filter_back(
     f: &Filtered,
     d_out: Vec<Vec<Light>>,
     mode: Mode,
-) -> Vec<Vec<[f32; HEAD]>> {
-    let mut grads: Vec<Vec<[f32; HEAD]>> = heads.iter().map(|h| vec![[0.0; HEAD]; h.heads.len()]).collect();
+) -> Vec<Vec<Head>> {
+    let mut grads: Vec<Vec<Head>> = heads.iter().map(|h| vec![[0.0; LANES]; h.heads.len()]).collect();
     let mut of_light: Vec<Vec<Light>> = heads.iter().map(|h| vec![[0.0; 4]; h.heads.len()]).collect();
     let mut from_finer: Vec<Light> = Vec::new();
     for (level, mut d) in d_out.into_iter().enumerate() {
@@ -821,7 +840,7 @@ pub fn filter_back(
                     let a = blend(&here, mode);
                     let (up, own) = (f.raised[level][at], f.filtered[level][at]);
                     let da: f32 = (0..3).map(|c| d[at][c] * (own[c] - up[c])).sum();
-                    grads[level][at][7] += da / 256.0;
+                    grads[level][at][BLEND] += da / 256.0;
                     let d_up = d[at].map(|g| g * (1.0 - a));
                     own_part = d[at].map(|g| g * a);
                     // Raised.
@@ -851,7 +870,7 @@ pub fn filter_back(
                 let slope = |from: &Light| -> f32 {
                     (0..3).map(|c| (from[c] - value[c]) * own_part[c]).sum::<f32>() / total
                 };
-                grads[level][at][6] += slope(&f.light[level][at]) / 256.0;
+                grads[level][at][CONFIDENCE] += slope(&f.light[level][at]) / 256.0;
                 if level > 0 {
                     let w = own / total;
                     (0..3).for_each(|c| of_light[level][at][c] += w * own_part[c]);
@@ -861,7 +880,7 @@ pub fn filter_back(
                     let (e, difference) = affinity(&here, &h.heads[other], mode);
                     let sure = confidence(&h.heads[other]);
                     let dw = slope(&f.light[level][other]);
-                    grads[level][other][6] += dw * e / 256.0;
+                    grads[level][other][CONFIDENCE] += dw * e / 256.0;
                     let k = -dw * e * sure / 32.0;
                     shift(&mut here_gradient, k, difference);
                     shift(&mut grads[level][other], -k, difference);
@@ -881,15 +900,19 @@ pub fn filter_back(
         for at in 0..coarse.heads.len() {
             let g = of_light[level][at];
             let places = quad(at, fine, coarse);
-            let total: f32 = places.iter().map(|&from| confidence(&fine.heads[from])).sum();
-            for from in places {
-                let w = confidence(&fine.heads[from]) / total;
+            let weights = places.map(|from| shrinks(&fine.heads[from], &coarse.heads[at], mode));
+            let total: f32 = weights.iter().map(|(w, ..)| w).sum();
+            for (from, (w, e, difference)) in places.into_iter().zip(weights) {
+                let w = w / total;
                 let mut dw = 0.0;
                 for c in 0..3 {
                     of_light[level - 1][from][c] += w * g[c];
                     dw += (f.light[level - 1][from][c] - f.light[level][at][c]) * g[c] / total;
                 }
-                grads[level - 1][from][6] += dw / 256.0;
+                grads[level - 1][from][CONFIDENCE] += dw * e / 256.0;
+                let k = -dw * e * confidence(&fine.heads[from]) / 32.0;
+                shift(&mut grads[level - 1][from], k, difference);
+                shift(&mut grads[level][at], -k, difference);
             }
         }
     }

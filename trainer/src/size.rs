@@ -5,10 +5,10 @@ use microlux::film::denoise::network::{CHANNELS, LEVELS, Layer, layers};
 /// Channels of activations at 1, 1/2, 1/4 and 1/8.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
 pub enum Size {
-    /// 4, 8, 12, 12
-    Xs,
-    /// 8, 12, 16, 16: the core's
+    /// 4, 8, 12, 12: the core's
     #[default]
+    Xs,
+    /// 8, 12, 16, 16
     S,
     /// 8, 16, 24, 24
     M,
@@ -33,8 +33,8 @@ impl Size {
 
     pub fn channels(self) -> [usize; LEVELS] {
         match self {
-            Size::Xs => [4, 8, 12, 12],
-            Size::S => CHANNELS,
+            Size::Xs => CHANNELS,
+            Size::S => [8, 12, 16, 16],
             Size::M => [8, 16, 24, 24],
             Size::L => [16, 24, 32, 32],
             Size::Xl => [24, 40, 56, 64],
@@ -72,9 +72,9 @@ mod tests {
     use microlux::film::denoise::network::{BIASES, LAYERS, WEIGHTS};
 
     #[test]
-    fn the_cores_size_is_s() {
-        assert_eq!(Size::S.layers(), LAYERS);
-        assert_eq!(Size::S.place(LAYERS.len()), (WEIGHTS, BIASES));
-        assert_eq!(Size::S.products(), 2606.0);
+    fn the_cores_size_is_xs() {
+        assert_eq!(Size::Xs.layers(), LAYERS);
+        assert_eq!(Size::Xs.place(LAYERS.len()), (WEIGHTS, BIASES));
+        assert_eq!(Size::Xs.products(), 1093.0);
     }
 }

@@ -462,13 +462,15 @@ mod tests {
     #[test]
     fn rounded_heads_are_the_cores() {
         use microlux::film::denoise::Alone;
-        use microlux::film::denoise::network::{HEAD, Input, LEVELS, Needs, Network, Scratch, Weights};
+        use microlux::film::denoise::network::{
+            FEATURES, HEAD, Input, LEVELS, Needs, Network, Scratch, Weights,
+        };
         let mut rng = Pcg64Mcg::seed_from_u64(1);
         for (seed, (width, height)) in [(64, 48), (1, 1), (7, 5), (33, 9), (2, 31)]
             .into_iter()
             .enumerate()
         {
-            let mut params = State::new(Size::S, seed as u64).params;
+            let mut params = State::new(Size::Xs, seed as u64).params;
             params.weights.iter_mut().for_each(|w| *w *= 3.0);
             params
                 .biases
@@ -487,12 +489,11 @@ mod tests {
             let light: Vec<[u16; 3]> = (0..size)
                 .map(|_| [0; 3].map(|_| rng.random::<u16>() >> rng.random_range(0..12)))
                 .collect();
-            let Needs { fine, coarse, work } = Needs::of(width, height);
-            let (mut fine, mut coarse, mut work) = (vec![[0xaa; HEAD]; fine], vec![7; coarse], vec![9; work]);
+            let needs = Needs::of(width, height);
             let scratch = Scratch {
-                fine: &mut fine,
-                coarse: &mut coarse,
-                work: &mut work,
+                fine: &mut vec![[0xaa; HEAD]; needs.fine],
+                near: &mut vec![7; needs.near],
+                far: &mut vec![9; needs.far],
             };
             let mut network = Network::new(weights, width, height, scratch).unwrap();
             network.extract(&Alone, |at| Input::from_bits(inputs[at]));
@@ -507,15 +508,15 @@ mod tests {
                 let core = network.heads(level);
                 assert_eq!(core.len(), trace.heads[level].heads.len());
                 for (core, float) in core.iter().zip(&trace.heads[level].heads) {
-                    let signed: [f32; 8] = core::array::from_fn(|i| {
-                        if i < 6 {
+                    let signed: [f32; HEAD] = core::array::from_fn(|i| {
+                        if i < FEATURES {
                             f32::from(core[i] as i8)
                         } else {
                             f32::from(core[i])
                         }
                     });
-                    assert_eq!(signed, *float, "{width} x {height}, size {level}");
-                    busy += usize::from(core[..6].iter().any(|&f| f != 0));
+                    assert_eq!(signed, float[..HEAD], "{width} x {height}, size {level}");
+                    busy += usize::from(core[..FEATURES].iter().any(|&f| f != 0));
                 }
             }
             assert!(busy > 0);

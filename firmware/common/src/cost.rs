@@ -42,8 +42,8 @@ struct Room {
     lengths: [[u8; PIXELS]; 2],
     rows: [[Rgb9e5; SIZE.width as usize]; 2],
     fine: [[u8; HEAD]; NEEDS.fine],
-    coarse: [u32; NEEDS.coarse],
-    work: [u32; NEEDS.work],
+    near: [u32; NEEDS.near],
+    far: [u32; NEEDS.far],
     clean: [Rgb9e5; PIXELS],
     guides: [Feature; 4 * PIXELS],
     shown: [Radiance; 4 * PIXELS],
@@ -60,8 +60,8 @@ pub fn run(scene: Builtin) -> u32 {
         lengths: [[0; PIXELS]; 2],
         rows: [[Rgb9e5::BLACK; SIZE.width as usize]; 2],
         fine: [[0; HEAD]; NEEDS.fine],
-        coarse: [0; NEEDS.coarse],
-        work: [0; NEEDS.work],
+        near: [0; NEEDS.near],
+        far: [0; NEEDS.far],
         clean: [Rgb9e5::BLACK; PIXELS],
         guides: [Feature::default(); 4 * PIXELS],
         shown: [Radiance::BLACK; 4 * PIXELS],
@@ -149,8 +149,8 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         frames: [before, now],
         lengths: [_, lengths],
         fine,
-        coarse,
-        work,
+        near,
+        far,
         clean: cleaned,
         guides,
         shown,
@@ -215,7 +215,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
     for light in shown {
         fingerprint::pixel(&mut crc, *light);
     }
-    let scratch = Scratch { fine, coarse, work };
+    let scratch = Scratch { fine, near, far };
     let (width, height) = (SIZE.width.into(), SIZE.height.into());
     let Ok(mut network) = Network::new(TRAINED, width, height, scratch) else {
         return 0;

@@ -65,11 +65,11 @@ pub struct Room {
     frames: [[Feature; PIXELS]; 2],
     lengths: [[u8; PIXELS]; 2],
     rows: [Rgb9e5; ROWS * SIZE.width as usize],
-    /// The network's own.
+    /// The network's own; then, in its place, three rows as they are shown, for each worker.
     network: [u32; Neural::needs(SIZE)],
-    /// Three rows as they are shown, for each worker.
-    rings: [[Seen; 3 * WIDTH]; 2],
 }
+
+const _: () = assert!(size_of::<[[Seen; 3 * WIDTH]; 2]>() <= 4 * Neural::needs(SIZE));
 
 impl Room {
     pub const EMPTY: Room = Room {
@@ -77,7 +77,6 @@ impl Room {
         lengths: [[0; PIXELS]; 2],
         rows: [Rgb9e5::BLACK; ROWS * SIZE.width as usize],
         network: [0; Neural::needs(SIZE)],
-        rings: [[Seen::NOTHING; 3 * WIDTH]; 2],
     };
 }
 
@@ -93,7 +92,6 @@ pub struct Flight<'m> {
     denoiser: Denoiser<'m>,
     atrous: Atrous,
     neural: Neural<'m>,
-    rings: [&'m mut [Seen]; 2],
     before: Option<Camera>,
 }
 
@@ -123,7 +121,6 @@ impl<'m> Flight<'m> {
             denoiser: Denoiser::new(SIZE, SPP, memory).map_err(Refused::Denoiser)?,
             atrous: Atrous::for_spp(SPP),
             neural: Neural::new(TRAINED, SIZE, SPP, &mut room.network).map_err(Refused::Network)?,
-            rings: room.rings.each_mut().map(|ring| ring.as_mut_slice()),
             before: None,
         })
     }
@@ -198,7 +195,9 @@ impl<'m> Flight<'m> {
                 });
             }
         };
-        let [ring, other] = &mut self.rings;
+        // What the network works in is not needed now.
+        let rows = Seen::over(self.neural.memory());
+        let (ring, other) = rows.split_at_mut(rows.len() / 2);
         pair.both(|| raise(ring), || raise(other));
     }
 }

@@ -7,7 +7,7 @@ use crate::random::Xorshift;
 
 const MOST: usize = 64;
 
-/// Runs of every length up to 16, alone and by three and nine, by three words and by four; half of the activations
+/// Runs of every length up to 16, alone and by three and nine, by two, three and four words; half of the activations
 /// are 0.
 pub(crate) fn run() -> u32 {
     let mut random = Xorshift::new(0x9e37_79b9);
@@ -22,8 +22,10 @@ pub(crate) fn run() -> u32 {
         let length = round % 17;
         let run = |number: usize| &inputs[number * 5..][..length];
         let other = &inputs[40..][..16 - length];
+        let (twos, _) = words.as_chunks::<2>();
         let (threes, _) = words.as_chunks::<3>();
         let (fours, _) = words.as_chunks::<4>();
+        all(&mut crc, run, other, twos);
         all(&mut crc, run, other, threes);
         all(&mut crc, run, other, fours);
     }

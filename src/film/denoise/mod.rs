@@ -11,7 +11,7 @@
 //! other row of the same pass reads: bands of rows may be made in any order, by several cores ([`Pair`]), and the bits are
 //! the same.
 //!
-//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light. The filter by the network takes 4.3 more
+//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light. The filter by the network takes 1.9 more
 //! ([`network::Neural::needs`]).
 
 mod accumulate;

@@ -23,9 +23,11 @@ use super::weight::{Mean, luma_code};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
 use crate::num::leading_zeros;
+use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// What a pixel shows, and of what: eight bytes of a row that [`Clean`](super::Clean) works in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, FromBytes, IntoBytes, Immutable, KnownLayout)]
 pub struct Seen {
     light: Rgb9e5,
     /// From the highest bit: 16 of the number, 8 of the distance, and how many samples it is worth, places anywhere in the
@@ -48,6 +50,13 @@ impl Seen {
         light: Rgb9e5::BLACK,
         of: 0,
     };
+
+    /// As many as there is room for, in memory that is not needed meanwhile.
+    pub fn over(memory: &mut [u32]) -> &mut [Seen] {
+        let (pairs, _) = memory.as_chunks_mut::<2>();
+        // Two words each: the cast cannot fail.
+        <[Seen]>::mut_from_bytes(pairs.as_mut_bytes()).unwrap_or(&mut [])
+    }
 
     pub(super) fn new(light: Radiance, pixel: &Feature, samples: u32) -> Seen {
         Seen {

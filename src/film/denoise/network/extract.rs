@@ -1,5 +1,5 @@
 use super::layer::Packed;
-use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape, WORDS};
+use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape};
 use crate::film::denoise::Pair;
 use zerocopy::IntoBytes;
 
@@ -9,18 +9,15 @@ impl Network<'_> {
         let Network {
             weights,
             shape,
-            scratch: Scratch { fine, coarse, work },
+            scratch: Scratch { fine, near, far },
         } = self;
-        let (words, rings) = work.split_at_mut(WORDS);
-        let (one, two) = rings.as_mut_bytes().split_at_mut(Shape::ring(shape[0].width));
+        let count = |level: usize| CHANNELS[level] * shape[level].pixels();
+        let (half, rings) = near.as_mut_bytes().split_at_mut(count(1));
+        // Whole words, both.
+        let (coarse, words) = far.split_at_mut((count(2) + count(3)) / 4);
+        let (eighth, quarter) = coarse.as_mut_bytes().split_at_mut(count(3));
+        let (one, two) = rings.split_at_mut(Shape::ring(shape[0].width));
         let mut rings = [one, two];
-        let mut rest = coarse.as_mut_bytes();
-        let [half, quarter, eighth] = [1, 2, 3].map(|level| {
-            let count = CHANNELS[level] * shape[level].pixels();
-            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
-            rest = others;
-            part
-        });
         let mut activations = [fine.as_flattened_mut(), half, quarter, eighth];
 
         // Down: what is seen, then the largest activation of each 2 × 2, convolved.
@@ -31,7 +28,8 @@ impl Network<'_> {
                 pixel.copy_from_slice(&input(y * width + x).0);
             }
         };
-        let keep = |row: &[u8], place: &mut [u8]| place.copy_from_slice(row);
+        // The finest activations stand where their row's heads will.
+        let keep = |row: &[u8], place: &mut [u8]| place[..row.len()].copy_from_slice(row);
         let layer = Convolution {
             packed,
             shape: shape[0],
@@ -43,7 +41,8 @@ impl Network<'_> {
             let (packed, _) = weights.pack(level, words);
             let [fine, coarse] = neighbours(&mut activations, level - 1);
             let (inputs, finer) = (CHANNELS[level - 1], shape[level - 1]);
-            let pool = |y: usize, _: &[u8], row: &mut [u8]| pool(fine, inputs, finer, y, row);
+            let line = fine.len() / finer.height;
+            let pool = |y: usize, _: &[u8], row: &mut [u8]| pool(fine, line, inputs, finer, y, row);
             let layer = Convolution {
                 packed,
                 shape: shape[level],
@@ -72,9 +71,9 @@ impl Network<'_> {
             let [fine, coarse] = neighbours(&mut activations, level);
             let (own, coarse_inputs) = (CHANNELS[level], CHANNELS[level + 1]);
             let coarse_row = coarse_inputs * shape[level + 1].width;
-            let fill = |y: usize, own: &[u8], row: &mut [u8]| {
+            let fill = |y: usize, own_row: &[u8], row: &mut [u8]| {
                 let above = &coarse[(y >> 1) * coarse_row..][..coarse_row];
-                merge.merge(above, coarse_inputs, own, row);
+                merge.merge(above, coarse_inputs, &own_row[..row.len()], row);
             };
             let layer = Convolution {
                 packed,
@@ -95,29 +94,36 @@ impl Network<'_> {
             }
         }
 
-        // The coarser heads, from the start of the activations on: none is wider than those of its pixel.
-        let all = coarse.as_mut_bytes();
-        let (mut from, mut to) = (0, 0);
-        for level in 1..LEVELS {
-            let (head, _) = weights.pack(11 + level, words);
-            for _ in 0..shape[level].pixels() {
-                let made = head.head(&all[from..][..CHANNELS[level]]);
-                all[to..][..HEAD].copy_from_slice(&made);
-                from += CHANNELS[level];
-                to += HEAD;
-            }
+        // The coarser heads: those of a quarter of the size after those of half of it, the others in their activations' place.
+        let (eighth, quarter) = coarse.as_mut_bytes().split_at_mut(count(3));
+        squeeze(&weights.pack(14, words).0, eighth);
+        let half = near.as_mut_bytes();
+        squeeze(&weights.pack(12, words).0, &mut half[..count(1)]);
+        let (_, places) = half.split_at_mut(HEAD * shape[1].pixels());
+        let (head, _) = weights.pack(13, words);
+        for (pixel, place) in quarter.chunks_exact(CHANNELS[2]).zip(places.as_chunks_mut().0) {
+            *place = head.head(pixel);
         }
     }
 
-    /// The heads of size `level` (0 is the finest), after [`Self::extract`]: six features as `i8`, confidence, blend.
+    /// The heads of size `level` (0 is the finest), after [`Self::extract`]: features as `i8`, confidence, blend.
     pub fn heads(&self, level: usize) -> &[[u8; HEAD]] {
-        let level = level.min(LEVELS - 1);
-        if level == 0 {
-            return self.scratch.fine;
+        let [fine, half, quarter, eighth] = self.shape.map(Shape::pixels);
+        let near = self.scratch.near.as_bytes().as_chunks().0;
+        match level {
+            0 => &self.scratch.fine[..fine],
+            1 => &near[..half],
+            2 => &near[half..][..quarter],
+            _ => &self.scratch.far.as_bytes().as_chunks().0[..eighth],
         }
-        let before: usize = self.shape[1..level].iter().map(|shape| shape.pixels()).sum();
-        let (heads, _) = self.scratch.coarse.as_bytes().as_chunks();
-        &heads[before..][..self.shape[level].pixels()]
+    }
+}
+
+/// Activations to heads, from the start on: none is narrower than a head.
+fn squeeze(head: &Packed, activations: &mut [u8]) {
+    for at in 0..activations.len() / head.inputs {
+        let made = head.head(&activations[at * head.inputs..][..head.inputs]);
+        activations[at * HEAD..][..HEAD].copy_from_slice(&made);
     }
 }
 
@@ -136,8 +142,8 @@ struct Convolution<'a> {
 }
 
 impl Convolution<'_> {
-    /// Runs over the rows of `plane`, which hold outputs afterwards: `fill` makes the layer's input of row number y and of
-    /// what stands in that row, and `keep` puts its output there.
+    /// Runs over the rows of `plane`, which hold outputs afterwards and have room for as much at least: `fill` makes the
+    /// layer's input of row number y and of what stands in that row, and `keep` puts its output there.
     ///
     /// A row is put when it and the next were read, and each half's nearest row is read before the other half begins.
     fn run(
@@ -149,10 +155,10 @@ impl Convolution<'_> {
         keep: impl Fn(&[u8], &mut [u8]) + Sync,
     ) {
         let Shape { width, height } = self.shape;
-        let (seen, line) = (self.inputs * width, self.outputs * width);
+        let (seen, made, line) = (self.inputs * width, self.outputs * width, plane.len() / height);
         let half = height.div_ceil(2);
         let (upper, lower) = plane.split_at_mut(half * line);
-        let [one, two] = rings.each_mut().map(|ring| Ring::new(ring, seen, line));
+        let [one, two] = rings.each_mut().map(|ring| Ring::new(ring, seen, made));
         if half < height {
             fill(half, &lower[..line], &mut *one.beyond);
             fill(
@@ -202,20 +208,21 @@ struct Ring<'a> {
 }
 
 impl<'a> Ring<'a> {
-    fn new(bytes: &'a mut [u8], seen: usize, line: usize) -> Ring<'a> {
+    fn new(bytes: &'a mut [u8], seen: usize, made: usize) -> Ring<'a> {
         let (rows, rest) = bytes.split_at_mut(3 * seen);
         let (beyond, rest) = rest.split_at_mut(seen);
         Ring {
             rows,
             beyond,
-            out: &mut rest[..line],
+            out: &mut rest[..made],
         }
     }
 }
 
 /// The largest of each 2 × 2 pixels, channel by channel; a row or column that is not there is the last.
-fn pool(fine: &[u8], channels: usize, shape: Shape, y: usize, row: &mut [u8]) {
-    let line = channels * shape.width;
+///
+/// `line` is how many bytes lie between rows.
+fn pool(fine: &[u8], line: usize, channels: usize, shape: Shape, y: usize, row: &mut [u8]) {
     let upper = &fine[2 * y * line..][..line];
     let lower = &fine[(2 * y + 1).min(shape.height - 1) * line..][..line];
     for (x, out) in row.chunks_exact_mut(channels).enumerate() {

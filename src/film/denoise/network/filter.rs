@@ -1,4 +1,4 @@
-use super::{Head, LEVELS, Light, Network, NetworkError, Scratch, Shape, halves};
+use super::{FEATURES, Head, Light, Network, NetworkError, Scratch, Shape, halves};
 use crate::film::denoise::Pair;
 use crate::num::{leading_zeros, short_recip};
 use zerocopy::{FromBytes, IntoBytes};
@@ -83,9 +83,9 @@ fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
 }
 
 #[inline(always)]
-fn affinity(a: &[i32; 6], b: &Head) -> u32 {
+fn affinity(a: &[i32; FEATURES], b: &Head) -> u32 {
     let mut square = 0u32;
-    for i in 0..6 {
+    for i in 0..FEATURES {
         let d = a[i] - i32::from(b[i] as i8);
         square += (d * d) as u32;
     }
@@ -93,14 +93,22 @@ fn affinity(a: &[i32; 6], b: &Head) -> u32 {
 }
 
 #[inline(always)]
-fn features(head: &Head) -> [i32; 6] {
+fn features(head: &Head) -> [i32; FEATURES] {
     core::array::from_fn(|i| i32::from(head[i] as i8))
 }
 
 /// 1 ..= 256.
 #[inline(always)]
 fn confidence(head: &Head) -> u32 {
-    u32::from(head[6]) + 1
+    u32::from(head[FEATURES]) + 1
+}
+
+/// Bytes of what stands one after the other where the light of half the size will: heads and light of an eighth, light of a
+/// quarter.
+pub(super) const fn overlaid(half: usize, quarter: usize, eighth: usize) -> usize {
+    let before = size_of::<Head>() * eighth + size_of::<Light>() * (quarter + 2 * eighth);
+    let after = size_of::<Light>() * half;
+    if before > after { before } else { after }
 }
 
 impl Network<'_> {
@@ -113,178 +121,269 @@ impl Network<'_> {
         out: &mut [T],
         make: impl Fn([u16; 3]) -> T + Sync,
     ) -> Result<(), NetworkError> {
-        let needed = self.shape[0].pixels();
+        let Shape { width, height } = self.shape[0];
+        let needed = width * height;
         if out.len() != needed {
             return Err(NetworkError::Out { needed });
         }
-        self.filter_coarse(pair, &light);
-        let last = Last::new(self.shape, self.scratch.fine, self.scratch.coarse);
-        last.filter(pair, light, |_| false, out, make);
+        self.filter_in_place(pair, light, |_| false);
+        let fine = &*self.scratch.fine;
+        halves(pair, out, width, |first, rows| {
+            for (place, out) in fine[first * width..].iter().zip(rows) {
+                *out = make(kept(place));
+            }
+        });
         Ok(())
     }
 
-    /// All but the finest size, which [`Last`] makes of this.
-    pub(super) fn filter_coarse(&mut self, pair: &impl Pair, light: &(impl Fn(usize) -> Light + Sync)) {
-        let shape = self.shape;
-        let Scratch { fine, coarse, work } = &mut self.scratch;
-        let (rest, done_half) = parted(coarse.as_mut_bytes(), shape[1].pixels());
-        let mut rest: &[Head] = rest.as_chunks().0;
-        let heads: [&[Head]; LEVELS] = core::array::from_fn(|level| {
-            if level == 0 {
-                return &**fine;
-            }
-            let (part, others) = rest.split_at(shape[level].pixels());
-            rest = others;
-            part
-        });
-        let mut rest = work.as_mut_bytes();
-        let mut take = |level: usize| {
-            let count = size_of::<Light>() * shape[level].pixels();
-            let (part, others) = core::mem::take(&mut rest).split_at_mut(count);
-            rest = others;
-            lights(part)
-        };
-        let mut before: [&mut [Light]; LEVELS] =
-            core::array::from_fn(|level| if level == 0 { &mut [] } else { take(level) });
-        let [two, three] = [2, 3].map(take);
-        let mut done = [&mut [], done_half, two, three];
-
-        for level in 1..LEVELS {
-            let (finer, coarser) = before.split_at_mut(level);
-            let (finer, width) = (&*finer[level - 1], shape[level].width);
-            let (heads, finer_shape) = (heads[level - 1], shape[level - 1]);
-            halves(pair, coarser[0], width, |first, rows| {
-                if level == 1 {
-                    shrink(light, heads, finer_shape, first, rows, width);
-                } else {
-                    shrink(|at| finer[at], heads, finer_shape, first, rows, width);
-                }
-            });
-        }
-        for level in (1..LEVELS).rev() {
-            let (finer, coarser) = done.split_at_mut(level + 1);
-            let coarse = coarser.first().map(|light| Coarse {
-                light,
-                heads: heads[level + 1],
-                shape: shape[level + 1],
-            });
-            let (light, heads, width) = (&*before[level], heads[level], shape[level].width);
-            halves(pair, finer[level], width, |first, rows| {
-                for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
-                    let near: Near<5> = Near::of(light, heads, width, y);
-                    for (x, out) in row.iter_mut().enumerate() {
-                        *out = near.filtered(x, y, coarse.as_ref());
-                    }
-                }
-            });
-        }
-    }
-}
-
-/// What makes the finest light, when all coarser sizes are done.
-pub(super) struct Last<'a> {
-    shape: [Shape; LEVELS],
-    heads: &'a [Head],
-    coarse: Coarse<'a>,
-    /// Three rows for each worker.
-    rings: [&'a mut [Light]; 2],
-}
-
-impl<'a> Last<'a> {
-    /// In what the other passes left of a [`Scratch`].
-    pub fn new(shape: [Shape; LEVELS], fine: &'a [Head], coarse: &'a mut [u32]) -> Last<'a> {
-        let half = shape[1].pixels();
-        let (rest, light) = parted(coarse.as_mut_bytes(), half);
-        let (heads, rest) = rest.split_at_mut(size_of::<Head>() * half);
-        let ring = Shape::lights(shape[0].width);
-        let (one, rest) = rest.split_at_mut(ring);
-        Last {
-            shape,
-            heads: fine,
-            coarse: Coarse {
-                light,
-                heads: heads.as_chunks().0,
-                shape: shape[1],
-            },
-            rings: [lights(one), lights(&mut rest[..ring])],
-        }
-    }
-
-    /// Pixels of which `keeps` is true have their own light.
-    pub fn filter<T: Send>(
-        self,
+    /// The same, the finest light in its heads' place: see [`kept`]. Pixels of which `keeps` is true have their own light.
+    pub(super) fn filter_in_place(
+        &mut self,
         pair: &impl Pair,
         light: impl Fn(usize) -> Light + Sync,
         keeps: impl Fn(usize) -> bool + Sync,
-        out: &mut [T],
-        make: impl Fn(Light) -> T + Sync,
     ) {
-        let Shape { width, height } = self.shape[0];
-        let Last { heads, coarse, .. } = self;
-        let [one, two] = self.rings;
-        let band = |first: usize, rows: &mut [T], ring: &mut [Light]| {
-            let at = |y: usize| y % 3 * width..(y % 3 + 1) * width;
-            for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
-                // Each row's light is looked at once; before the first row that of the one above it, too.
-                let new = if y == first { y.saturating_sub(1) } else { y + 1 };
-                for y in new..(y + 2).min(height) {
-                    for (x, place) in ring[at(y)].iter_mut().enumerate() {
-                        *place = light(y * width + x);
-                    }
-                }
-                let near: Near<3> = Near {
-                    light: core::array::from_fn(|i| match (y + i).checked_sub(1) {
-                        Some(y) if y < height => &ring[at(y)],
-                        _ => &[],
-                    }),
-                    heads: rows_about(heads, width, y),
-                };
-                for (x, out) in row.iter_mut().enumerate() {
-                    *out = make(if keeps(y * width + x) {
-                        near.light[1][x]
-                    } else {
-                        near.filtered(x, y, Some(&coarse))
-                    });
-                }
-            }
+        let shape = self.shape;
+        let [_, half, quarter, eighth] = shape.map(Shape::pixels);
+        let Scratch { fine, near, far } = &mut self.scratch;
+        let (heads, rest) = near
+            .as_mut_bytes()
+            .split_at_mut(size_of::<Head>() * (half + quarter));
+        let (heads_half, heads_quarter) = heads.as_chunks().0.split_at(half);
+        let (before_half, _) = lights(rest, half);
+        let (overlaid, rest) = far.as_mut_bytes().split_at_mut(overlaid(half, quarter, eighth));
+        let (done_quarter, _) = lights(rest, quarter);
+
+        let (heads_eighth, rest) = overlaid.split_at_mut(size_of::<Head>() * eighth);
+        let heads_eighth: &[Head] = heads_eighth.as_chunks().0;
+        let (before_quarter, rest) = lights(rest, quarter);
+        let (before_eighth, rest) = lights(rest, eighth);
+        let (done_eighth, _) = lights(rest, eighth);
+        let plane = |level: usize, heads| Plane {
+            heads,
+            shape: shape[level],
         };
-        let (upper, lower) = out.split_at_mut(height.div_ceil(2) * width);
-        pair.both(|| band(0, upper, one), || band(height.div_ceil(2), lower, two));
+        let at_half = plane(1, heads_half);
+        let at_quarter = plane(2, heads_quarter);
+        let at_eighth = Plane {
+            heads: heads_eighth,
+            shape: shape[3],
+        };
+        at_half.shrink(pair, plane(0, fine), &light, before_half);
+        at_quarter.shrink(pair, at_half, &|at| before_half[at], before_quarter);
+        at_eighth.shrink(pair, at_quarter, &|at| before_quarter[at], before_eighth);
+        at_eighth.smooth(pair, before_eighth, None, done_eighth);
+        at_quarter.smooth(
+            pair,
+            before_quarter,
+            Some(at_eighth.with(done_eighth)),
+            done_quarter,
+        );
+        // In the place of all that is of an eighth, and of a quarter's light.
+        let (done_half, _) = lights(overlaid, half);
+        at_half.smooth(pair, before_half, Some(at_quarter.with(done_quarter)), done_half);
+
+        let (heads, rings) = near.as_mut_bytes().split_at_mut(size_of::<Head>() * half);
+        let at_half = Plane {
+            heads: heads.as_chunks().0,
+            shape: shape[1],
+        };
+        finish(
+            pair,
+            shape[0],
+            fine,
+            at_half.with(done_half),
+            rings,
+            &light,
+            &keeps,
+        );
     }
 }
 
-/// The bytes before, and at the end the light of so many pixels.
-fn parted(bytes: &mut [u8], pixels: usize) -> (&mut [u8], &mut [Light]) {
-    let (front, end) = bytes.split_at_mut(bytes.len() - size_of::<Light>() * pixels);
-    (front, lights(end))
+/// The light that [`Network::filter_in_place`] left in a head's place.
+#[inline(always)]
+pub(super) fn kept(place: &Head) -> Light {
+    let [a, b, c, d, e, f, _, _] = *place;
+    [[a, b], [c, d], [e, f]].map(u16::from_ne_bytes)
 }
 
-fn lights(bytes: &mut [u8]) -> &mut [Light] {
-    // Whole pixels in a part of words, each part an even number of bytes: the cast cannot fail.
-    <[Light]>::mut_from_bytes(bytes).unwrap_or(&mut [])
+#[inline(always)]
+fn keep(place: &mut Head, light: Light) {
+    let [[a, b], [c, d], [e, f]] = light.map(u16::to_ne_bytes);
+    *place = [a, b, c, d, e, f, 0, 0];
 }
 
-/// The next coarser size from its row `first` on: each 2 × 2 by confidence.
-fn shrink(
-    fine: impl Fn(usize) -> Light,
-    heads: &[Head],
-    shape: Shape,
-    first: usize,
-    coarse: &mut [Light],
-    coarse_width: usize,
-) {
-    for (y, row) in (first..).zip(coarse.chunks_exact_mut(coarse_width)) {
-        for (x, out) in row.iter_mut().enumerate() {
-            let (left, top) = (2 * x, 2 * y);
-            let (right, below) = ((left + 1).min(shape.width - 1), (top + 1).min(shape.height - 1));
-            let first = top * shape.width + left;
-            let mut mean = Mean::new(fine(first), confidence(&heads[first]));
-            for (x, y) in [(right, top), (left, below), (right, below)] {
-                let place = y * shape.width + x;
-                mean.add(fine(place), confidence(&heads[place]));
-            }
-            *out = mean.value();
+/// What a worker has for the finest light.
+pub(super) struct Ring<'a> {
+    /// Three rows of light as it was; row y is number y modulo 3.
+    light: &'a mut [Light],
+    /// A row's answers, and those of the row before, whose heads the row after it still asks for.
+    done: [&'a mut [Light]; 2],
+    /// The heads of the other worker's nearest row.
+    beyond: &'a mut [Head],
+}
+
+impl<'a> Ring<'a> {
+    pub const fn bytes(width: usize) -> usize {
+        (5 * size_of::<Light>() + size_of::<Head>()) * width
+    }
+
+    fn new(bytes: &'a mut [u8], width: usize) -> Ring<'a> {
+        let (light, rest) = lights(bytes, 3 * width);
+        let (one, rest) = lights(rest, width);
+        let (two, rest) = lights(rest, width);
+        let (beyond, _) = rest.as_chunks_mut();
+        Ring {
+            light,
+            done: [one, two],
+            beyond: &mut beyond[..width],
         }
+    }
+}
+
+/// The finest light, in its heads' place.
+fn finish(
+    pair: &impl Pair,
+    Shape { width, height }: Shape,
+    fine: &mut [Head],
+    coarse: Coarse,
+    rings: &mut [u8],
+    light: &(impl Fn(usize) -> Light + Sync),
+    keeps: &(impl Fn(usize) -> bool + Sync),
+) {
+    let band = |first: usize, rows: &mut [Head], ring: Ring| {
+        let Ring {
+            light: near_light,
+            done: [mut done, mut before],
+            beyond,
+        } = ring;
+        let end = first + rows.len() / width;
+        let at = |y: usize| y % 3 * width..(y % 3 + 1) * width;
+        for y in first..end {
+            // Each row's light is looked at once; before the first row that of the one above it, too.
+            let new = if y == first { y.saturating_sub(1) } else { y + 1 };
+            for y in new..(y + 2).min(height) {
+                for (x, place) in near_light[at(y)].iter_mut().enumerate() {
+                    *place = light(y * width + x);
+                }
+            }
+            let heads = |y: usize| match y.checked_sub(first) {
+                _ if y >= height => &[],
+                Some(row) if y < end => &rows[row * width..][..width],
+                _ => &*beyond,
+            };
+            let near: Near<3> = Near {
+                light: core::array::from_fn(|i| match (y + i).checked_sub(1) {
+                    Some(y) if y < height => &near_light[at(y)],
+                    _ => &[],
+                }),
+                heads: core::array::from_fn(|i| (y + i).checked_sub(1).map_or(&[][..], heads)),
+            };
+            for (x, out) in done.iter_mut().enumerate() {
+                *out = if keeps(y * width + x) {
+                    near.light[1][x]
+                } else {
+                    near.filtered(x, y, Some(&coarse))
+                };
+            }
+            core::mem::swap(&mut done, &mut before);
+            // Now `done` is the row before, which nobody asks for any more.
+            if y > first {
+                let places = &mut rows[(y - 1 - first) * width..][..width];
+                places
+                    .iter_mut()
+                    .zip(&*done)
+                    .for_each(|(place, light)| keep(place, *light));
+            }
+        }
+        if end > first {
+            let places = &mut rows[(end - 1 - first) * width..][..width];
+            places
+                .iter_mut()
+                .zip(&*before)
+                .for_each(|(place, light)| keep(place, *light));
+        }
+    };
+    let (one, two) = rings.split_at_mut(Ring::bytes(width));
+    let [one, two] = [one, two].map(|bytes| Ring::new(bytes, width));
+    let half = height.div_ceil(2);
+    let (upper, lower) = fine.split_at_mut(half * width);
+    if half < height {
+        one.beyond.copy_from_slice(&lower[..width]);
+        two.beyond.copy_from_slice(&upper[(half - 1) * width..]);
+    }
+    pair.both(|| band(0, upper, one), || band(half, lower, two));
+}
+
+/// The light of so many pixels, and the bytes behind it.
+fn lights(bytes: &mut [u8], pixels: usize) -> (&mut [Light], &mut [u8]) {
+    let (front, rest) = bytes.split_at_mut(size_of::<Light>() * pixels);
+    // Whole pixels, an even number of bytes behind a word: the cast cannot fail.
+    (<[Light]>::mut_from_bytes(front).unwrap_or(&mut []), rest)
+}
+
+/// Heads of one size.
+#[derive(Clone, Copy)]
+struct Plane<'a> {
+    heads: &'a [Head],
+    shape: Shape,
+}
+
+impl<'a> Plane<'a> {
+    fn with(self, light: &'a [Light]) -> Coarse<'a> {
+        Coarse { light, plane: self }
+    }
+
+    /// The light of this size from that of the finer one: each 2 × 2 by affinity and confidence.
+    fn shrink(
+        self,
+        pair: &impl Pair,
+        fine: Plane,
+        light: &(impl Fn(usize) -> Light + Sync),
+        out: &mut [Light],
+    ) {
+        let width = self.shape.width;
+        halves(pair, out, width, |first, rows| {
+            let heads = self.heads[first * width..].chunks_exact(width);
+            for (y, (row, heads)) in (first..).zip(rows.chunks_exact_mut(width).zip(heads)) {
+                for (x, (out, head)) in row.iter_mut().zip(heads).enumerate() {
+                    *out = fine.mean_of_four(light, x, y, head);
+                }
+            }
+        });
+    }
+
+    /// The mean of the four pixels of coarser pixel (x, y), whose head is `coarse`; at an odd edge some count twice.
+    #[inline(always)]
+    fn mean_of_four(self, light: &impl Fn(usize) -> Light, x: usize, y: usize, coarse: &Head) -> Light {
+        let Shape { width, height } = self.shape;
+        let own = features(coarse);
+        let (left, top) = (2 * x, 2 * y);
+        let (right, below) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
+        // Never nothing.
+        let weight = |at: usize| ((affinity(&own, &self.heads[at]) * confidence(&self.heads[at])) >> 6) + 1;
+        let first = top * width + left;
+        let mut mean = Mean::new(light(first), weight(first));
+        for at in [top * width + right, below * width + left, below * width + right] {
+            mean.add(light(at), weight(at));
+        }
+        mean.value()
+    }
+
+    /// Filters this size's light, of 5 × 5 pixels each.
+    fn smooth(self, pair: &impl Pair, light: &[Light], coarse: Option<Coarse>, out: &mut [Light]) {
+        let width = self.shape.width;
+        halves(pair, out, width, |first, rows| {
+            for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
+                let near: Near<5> = Near {
+                    light: rows_about(light, width, y),
+                    heads: rows_about(self.heads, width, y),
+                };
+                for (x, out) in row.iter_mut().enumerate() {
+                    *out = near.filtered(x, y, coarse.as_ref());
+                }
+            }
+        });
     }
 }
 
@@ -302,14 +401,7 @@ struct Near<'a, const ROWS: usize> {
     heads: [&'a [Head]; ROWS],
 }
 
-impl<'a, const ROWS: usize> Near<'a, ROWS> {
-    fn of(light: &'a [Light], heads: &'a [Head], width: usize, y: usize) -> Near<'a, ROWS> {
-        Near {
-            light: rows_about(light, width, y),
-            heads: rows_about(heads, width, y),
-        }
-    }
-
+impl<const ROWS: usize> Near<'_, ROWS> {
     /// Pixel x of the middle row, which is number y: the mean about it, blended with the coarser size if there is one.
     #[inline(always)]
     fn filtered(&self, x: usize, y: usize, coarse: Option<&Coarse>) -> Light {
@@ -318,7 +410,8 @@ impl<'a, const ROWS: usize> Near<'a, ROWS> {
         if let Some(coarse) = coarse {
             let raised = coarse.raise(head, x, y);
             // 0 ..= 256, both ends whole.
-            let blend = i32::from(head[7]) + i32::from(head[7] >> 7);
+            let blend = head[FEATURES + 1];
+            let blend = i32::from(blend) + i32::from(blend >> 7);
             for (out, up) in out.iter_mut().zip(raised) {
                 let (own, up) = (i32::from(*out), i32::from(up));
                 *out = (up + (((own - up) * blend + 128) >> 8)) as u16;
@@ -346,33 +439,37 @@ impl<'a, const ROWS: usize> Near<'a, ROWS> {
 }
 
 /// A finished coarser size.
+#[derive(Clone, Copy)]
 struct Coarse<'a> {
     light: &'a [Light],
-    heads: &'a [Head],
-    shape: Shape,
+    plane: Plane<'a>,
 }
 
 impl Coarse<'_> {
     /// What the four nearest coarse pixels say of a fine one, by affinity.
     #[inline(always)]
     fn raise(&self, head: &Head, x: usize, y: usize) -> Light {
+        let Plane {
+            heads,
+            shape: Shape { width, height },
+        } = self.plane;
         let head = features(head);
         let (near_x, near_y) = (x >> 1, y >> 1);
         let far_x = if x & 1 == 0 {
             near_x.saturating_sub(1)
         } else {
-            (near_x + 1).min(self.shape.width - 1)
+            (near_x + 1).min(width - 1)
         };
         let far_y = if y & 1 == 0 {
             near_y.saturating_sub(1)
         } else {
-            (near_y + 1).min(self.shape.height - 1)
+            (near_y + 1).min(height - 1)
         };
-        let near = near_y * self.shape.width + near_x;
-        let mut mean = Mean::new(self.light[near], 9 * affinity(&head, &self.heads[near]) + 1);
+        let near = near_y * width + near_x;
+        let mut mean = Mean::new(self.light[near], 9 * affinity(&head, &heads[near]) + 1);
         for (x, y, share) in [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)] {
-            let place = y * self.shape.width + x;
-            mean.add(self.light[place], share * affinity(&head, &self.heads[place]));
+            let place = y * width + x;
+            mean.add(self.light[place], share * affinity(&head, &heads[place]));
         }
         mean.value()
     }

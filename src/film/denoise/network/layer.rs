@@ -1,4 +1,4 @@
-use super::{CHANNELS, HEAD, INPUTS, LEVELS};
+use super::{CHANNELS, FEATURES, HEAD, INPUTS, LEVELS};
 
 /// Weights of all layers together.
 pub const WEIGHTS: usize = {
@@ -172,7 +172,11 @@ impl<'a> Weights<'a> {
 
 /// Words of sums that one pass over a pixel's inputs makes: no more than a small core has registers for.
 const fn pairs(outputs: usize) -> usize {
-    if outputs == 12 { 3 } else { 4 }
+    match outputs {
+        4 => 2,
+        12 => 3,
+        _ => 4,
+    }
 }
 
 /// A layer ready to run.
@@ -182,13 +186,14 @@ pub(super) struct Packed<'a> {
     words: &'a [u32],
     biases: &'a [i16],
     taps: usize,
-    inputs: usize,
+    pub inputs: usize,
 }
 
 impl Packed<'_> {
     /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
     pub fn convolve(&self, rows: [&[u8]; 3], out: &mut [u8]) {
         match pairs(self.biases.len()) {
+            2 => self.convolve_by::<2>(rows, out),
             3 => self.convolve_by::<3>(rows, out),
             _ => self.convolve_by::<4>(rows, out),
         }
@@ -214,6 +219,7 @@ impl Packed<'_> {
     /// 1 × 1 over each pixel of a row, and the pixel of the coarser size above it; activations out.
     pub fn merge(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
         match pairs(self.biases.len()) {
+            2 => self.merge_by::<2>(coarse, coarse_inputs, fine, out),
             3 => self.merge_by::<3>(coarse, coarse_inputs, fine, out),
             _ => self.merge_by::<4>(coarse, coarse_inputs, fine, out),
         }
@@ -246,7 +252,7 @@ impl Packed<'_> {
         let sums = sums([pixel], words);
         let mut head = [0; HEAD];
         for (i, (out, sum)) in head.iter_mut().zip(both(&sums, self.biases)).enumerate() {
-            *out = if i < 6 {
+            *out = if i < FEATURES {
                 ((sum + 64) >> 7).clamp(-128, 127) as i8 as u8
             } else {
                 (128 + ((sum + 8) >> 4)).clamp(0, 255) as u8

@@ -4,8 +4,8 @@
 //! *features*, a *confidence* and a *blend*. The filter then mixes irradiance, from coarse to fine:
 //!
 //! ```text
-//! light[l+1] = mean of light[l] by confidence                                     (2 × 2)
 //! weight(i, j) = exp(−|feature i − feature j|²) · confidence j
+//! light[l+1] = mean of light[l] by weight(coarse, fine)                           (2 × 2)
 //! filtered[l] = mean of light[l] by weight                                        (3 × 3; 5 × 5 at the coarser sizes)
 //! raised = mean of out[l+1] by exp(−|feature i − coarse feature j|²) · bilinear   (2 × 2)
 //! out[l] = raised + blend · (filtered[l] − raised)
@@ -36,12 +36,19 @@ use super::Pair;
 
 /// Sizes at which the network sees the picture: each half the one before, rounded up.
 pub const LEVELS: usize = 4;
-/// Bytes of a pixel's head: six features (signed, eighths), confidence, blend.
-pub const HEAD: usize = 8;
+/// Features of a pixel.
+pub const FEATURES: usize = 6;
+/// Bytes of a pixel's head: features (signed, eighths), confidence, blend.
+pub const HEAD: usize = FEATURES + 2;
 /// Channels of activations at each size.
-pub const CHANNELS: [usize; LEVELS] = [8, 12, 16, 16];
+pub const CHANNELS: [usize; LEVELS] = [4, 8, 12, 12];
 /// Words of packed weights that the widest step keeps: merge and convolution at a quarter of the size.
-const WORDS: usize = (16 + 16) * 8 + 9 * 16 * 8;
+const WORDS: usize = (CHANNELS[3] + CHANNELS[2]) * CHANNELS[2] / 2 + 9 * CHANNELS[2] * CHANNELS[2] / 2;
+
+// Activations stand in the place of their pixel's head, and heads of coarser sizes in that of their activations, which are
+// whole words of bytes.
+const _: () = assert!(CHANNELS[0] <= HEAD && HEAD <= CHANNELS[1] && HEAD <= CHANNELS[3]);
+const _: () = assert!(CHANNELS[2].is_multiple_of(4) && CHANNELS[3].is_multiple_of(4));
 
 type Light = [u16; 3];
 type Head = [u8; HEAD];
@@ -52,30 +59,29 @@ pub struct Needs {
     /// Pixels.
     pub fine: usize,
     /// Words.
-    pub coarse: usize,
+    pub near: usize,
     /// Words.
-    pub work: usize,
+    pub far: usize,
 }
 
 impl Needs {
     /// For pictures of up to [`MAX_SIDE`] pixels a side; larger ones are refused by [`Network::new`].
     pub const fn of(width: usize, height: usize) -> Needs {
-        let (mut activations, mut heads, mut light) = (0, 0, 0);
-        let mut level = 1;
-        while level < LEVELS {
-            let pixels = Shape::of(width, height, level).pixels();
-            activations += CHANNELS[level] * pixels;
-            heads += size_of::<Head>() * pixels;
-            light += 2 * size_of::<Light>() * pixels;
-            level += 1;
-        }
-        let half = Shape::of(width, height, 1).pixels();
-        let done = size_of::<Light>() * half;
-        let last = size_of::<Head>() * half + 2 * Shape::lights(width) + done;
+        let [half, quarter, eighth] = [
+            Shape::of(width, height, 1).pixels(),
+            Shape::of(width, height, 2).pixels(),
+            Shape::of(width, height, 3).pixels(),
+        ];
+        let (head, light) = (size_of::<Head>(), size_of::<Light>());
+        let extraction = CHANNELS[1] * half + 2 * Shape::ring(width);
+        let coarser = head * (half + quarter) + light * half;
+        let finest = head * half + 2 * filter::Ring::bytes(width);
+        let far = CHANNELS[3] * eighth + CHANNELS[2] * quarter + 4 * WORDS;
+        let lights = filter::overlaid(half, quarter, eighth) + light * quarter;
         Needs {
             fine: width * height,
-            coarse: max(activations, max(heads + done, last)).div_ceil(4),
-            work: max(4 * WORDS + 2 * Shape::ring(width), light - done).div_ceil(4),
+            near: max(extraction, max(coarser, finest)).div_ceil(4),
+            far: max(far, lights).div_ceil(4),
         }
     }
 }
@@ -87,14 +93,13 @@ const fn max(a: usize, b: usize) -> usize {
 /// Memory lent to a [`Network`]; what is in it before does not matter.
 #[derive(Debug)]
 pub struct Scratch<'a> {
-    /// The finest size's activations, in whose place come its heads.
+    /// The finest size's activations, in whose place come its heads, in whose place comes the finest light.
     pub fine: &'a mut [[u8; HEAD]],
-    /// The coarser sizes' activations; then their heads from the start on, and at the end what the finest light is
-    /// raised from.
-    pub coarse: &'a mut [u32],
-    /// Weights, unpacked for the step under way, and rows for each worker; then light of the coarser sizes. Of no use to
-    /// the filter's last pass, which makes the finest light.
-    pub work: &'a mut [u32],
+    /// What is of half the size, and rows for each worker.
+    pub near: &'a mut [u32],
+    /// What is of the sizes below, and weights, unpacked for the step under way; then the light of half the size that the
+    /// finest is raised from.
+    pub far: &'a mut [u32],
 }
 
 /// Why a picture is refused.
@@ -104,10 +109,10 @@ pub enum NetworkError {
     Size { width: usize, height: usize },
     /// [`Scratch::fine`] is too short.
     Fine { needed: usize },
-    /// [`Scratch::coarse`] is too short.
-    Coarse { needed: usize },
-    /// [`Scratch::work`] is too short.
-    Work { needed: usize },
+    /// [`Scratch::near`] is too short.
+    Near { needed: usize },
+    /// [`Scratch::far`] is too short.
+    Far { needed: usize },
     /// The memory of a [`Neural`] is too short.
     Memory { needed: usize },
     /// The answer has not one place for each pixel.
@@ -121,8 +126,8 @@ impl core::fmt::Display for NetworkError {
                 write!(f, "{width} x {height} pixels: each side must be 1 to {MAX_SIDE}")
             }
             Self::Fine { needed } => write!(f, "scratch.fine is short: {needed} pixels are needed"),
-            Self::Coarse { needed } => write!(f, "scratch.coarse is short: {needed} words are needed"),
-            Self::Work { needed } => write!(f, "scratch.work is short: {needed} words are needed"),
+            Self::Near { needed } => write!(f, "scratch.near is short: {needed} words are needed"),
+            Self::Far { needed } => write!(f, "scratch.far is short: {needed} words are needed"),
             Self::Memory { needed } => write!(f, "memory is short: {needed} words are needed"),
             Self::Out { needed } => write!(f, "out must have {needed} pixels"),
         }
@@ -171,11 +176,6 @@ impl Shape {
         }
         most
     }
-
-    /// Bytes of three rows of light.
-    const fn lights(width: usize) -> usize {
-        3 * size_of::<Light>() * width
-    }
 }
 
 /// The network over one picture's size, with the memory that it works in.
@@ -195,20 +195,20 @@ impl<'a> Network<'a> {
         scratch: Scratch<'a>,
     ) -> Result<Self, NetworkError> {
         let shape = Shape::all(width, height)?;
-        let Needs { fine, coarse, work } = Needs::of(width, height);
+        let Needs { fine, near, far } = Needs::of(width, height);
         let scratch = Scratch {
             fine: scratch
                 .fine
                 .get_mut(..fine)
                 .ok_or(NetworkError::Fine { needed: fine })?,
-            coarse: scratch
-                .coarse
-                .get_mut(..coarse)
-                .ok_or(NetworkError::Coarse { needed: coarse })?,
-            work: scratch
-                .work
-                .get_mut(..work)
-                .ok_or(NetworkError::Work { needed: work })?,
+            near: scratch
+                .near
+                .get_mut(..near)
+                .ok_or(NetworkError::Near { needed: near })?,
+            far: scratch
+                .far
+                .get_mut(..far)
+                .ok_or(NetworkError::Far { needed: far })?,
         };
         Ok(Network {
             weights,

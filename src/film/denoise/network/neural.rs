@@ -1,5 +1,5 @@
-use super::filter::Last;
-use super::{Input, Needs, Network, NetworkError, Scratch, Shape, Weights, exposure, irradiance};
+use super::filter::kept;
+use super::{Input, Needs, Network, NetworkError, Scratch, Shape, Weights, exposure, halves, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Pair, Size};
@@ -8,8 +8,8 @@ use zerocopy::{FromBytes, IntoBytes};
 
 /// The network as a denoiser's filter. Pixels that see nothing, and not by way of a mirror or glass, keep their light.
 ///
-/// It works in the filter's [`denoise::Scratch`] and in memory of its own. The finest activations stand beside the answer's
-/// place, and [`Scratch::work`] in that place until the answer comes, if it is large enough.
+/// It works in the filter's [`denoise::Scratch`] and in memory of its own. The finest heads, and then the finest light, stand
+/// beside the answer's place, and [`Scratch::near`] in that place until the answer comes, if it is large enough.
 #[derive(Debug)]
 pub struct Neural<'a> {
     weights: Weights<'a>,
@@ -21,12 +21,8 @@ pub struct Neural<'a> {
 impl<'a> Neural<'a> {
     /// Words of memory for frames of `size`, of up to [`super::MAX_SIDE`] pixels a side.
     pub const fn needs(size: Size) -> usize {
-        let Needs { coarse, work, .. } = Needs::of(size.width as usize, size.height as usize);
-        if work <= size.pixels() {
-            coarse
-        } else {
-            coarse + work
-        }
+        let Needs { fine, near, far } = Needs::of(size.width as usize, size.height as usize);
+        if near <= fine { far } else { far + near }
     }
 
     /// For frames of `size` and of `samples` a pixel each; `memory` has as many words as it [`Self::needs`].
@@ -47,6 +43,11 @@ impl<'a> Neural<'a> {
         })
     }
 
+    /// Its memory: [`Self::needs`] words, of no use to it between two frames.
+    pub fn memory(&mut self) -> &mut [u32] {
+        self.memory
+    }
+
     /// [`Filter::filter`], or what it is refused for.
     fn run(
         &mut self,
@@ -61,8 +62,8 @@ impl<'a> Neural<'a> {
             return Err(NetworkError::Out { needed });
         }
         let (width, height) = (self.size.width.into(), self.size.height.into());
-        let (coarse, own) = self.memory.split_at_mut(Needs::of(width, height).coarse);
-        let work = if own.is_empty() {
+        let (far, own) = self.memory.split_at_mut(Needs::of(width, height).far);
+        let near = if own.is_empty() {
             // Words, too: the cast cannot fail.
             <[u32]>::mut_from_bytes(out.as_mut_bytes()).unwrap_or(&mut [])
         } else {
@@ -70,9 +71,9 @@ impl<'a> Neural<'a> {
         };
         let (fine, _) = rest.as_chunks_mut();
         let scratch = Scratch {
-            fine,
-            coarse: &mut *coarse,
-            work,
+            fine: &mut *fine,
+            near,
+            far,
         };
         let mut network = Network::new(self.weights, width, height, scratch)?;
 
@@ -84,16 +85,18 @@ impl<'a> Neural<'a> {
             _ => Input::new(&Feature::default(), samples, exposure),
         });
         let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
-        network.filter_coarse(pair, &light);
-        let last = Last::new(Shape::all(width, height)?, fine, coarse);
         // It is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
         let keeps = |at: usize| {
             frame
                 .get(at)
                 .is_some_and(|pixel| pixel.depth == DEPTH_NOTHING && pixel.id == ID_NOTHING)
         };
-        last.filter(pair, light, keeps, out, |light| {
-            Rgb9e5::from_bits(light.map(u32::from), -12)
+        network.filter_in_place(pair, light, keeps);
+        let fine = &*fine;
+        halves(pair, out, width, |first, rows| {
+            for (place, out) in fine[first * width..].iter().zip(rows) {
+                *out = Rgb9e5::from_bits(kept(place).map(u32::from), -12);
+            }
         });
         Ok(())
     }
