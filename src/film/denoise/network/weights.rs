@@ -1,7 +1,7 @@
 //! The network's weights. Written by `trainer export`; not to be edited.
 //!
 //! 30000 steps (`trainer/log/train.txt`) over 448 scenes (CRC-32 of their files, in order of names: 0xb6c60824); trainer of
-//! commit 4464a22ae9a6, 2026-11-28.
+//! commit 8e9492162869, 2026-11-28.
 
 use super::layer::{BIASES, WEIGHTS, Weights};
 
