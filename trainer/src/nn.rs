@@ -813,12 +813,7 @@ fn around(h: &Heads, x: usize, y: usize, reach: usize, mut of: impl FnMut(usize)
 }
 
 /// From the gradients of each size's `out` to those of all heads.
-pub fn filter_back(
-    heads: &[Heads],
-    f: &Filtered,
-    d_out: Vec<Vec<Light>>,
-    mode: Mode,
-) -> Vec<Vec<Head>> {
+pub fn filter_back(heads: &[Heads], f: &Filtered, d_out: Vec<Vec<Light>>, mode: Mode) -> Vec<Vec<Head>> {
     let mut grads: Vec<Vec<Head>> = heads.iter().map(|h| vec![[0.0; LANES]; h.heads.len()]).collect();
     let mut of_light: Vec<Vec<Light>> = heads.iter().map(|h| vec![[0.0; 4]; h.heads.len()]).collect();
     let mut from_finer: Vec<Light> = Vec::new();
