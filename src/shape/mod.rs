@@ -18,6 +18,7 @@ mod sight;
 mod sphere;
 #[cfg(target_arch = "x86_64")]
 mod sse2;
+mod treelet;
 pub(crate) mod triangle;
 mod triangles;
 
@@ -35,10 +36,11 @@ pub use implicit::{
 pub use instance::{Instance, LocalRay};
 pub(crate) use mesh::corners;
 pub use mesh::{MeshError, MeshHit, TriangleMesh};
-pub use packed::{PackedMesh, Treelet};
+pub use packed::PackedMesh;
 pub use planar::{Disk, LIFT, Plane, Rectangle, onto_plane};
 pub(crate) use sight::Sight;
 pub use sphere::Sphere;
+pub use treelet::Treelet;
 pub use triangles::Triangles;
 
 /// Where a shape is.

@@ -38,7 +38,7 @@ const STAGES: [(&str, &[&str]); 10] = [
             "src/scene/query.rs",
         ],
     ),
-    ("unpacking", &["src/shape/packed.rs"]),
+    ("unpacking", &["src/shape/packed.rs", "src/shape/treelet.rs"]),
     ("surface", &["src/scene/", "src/shape/triangles.rs"]),
     ("intersection", &["src/shape/"]),
     ("lights", &["src/light/"]),
