@@ -1,5 +1,6 @@
 //! Walk and triangles in the assembly of an ARMv6-M core: [`super::traverse`] and [`crate::shape`] say what it does.
 
+use super::mesh::stop_within;
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::num::RECIPS;
@@ -157,12 +158,9 @@ impl Way<'_, '_> {
     /// Breaks if what has been met is in the way. What is not keeps away only what lies farther.
     #[inline(always)]
     fn within(&mut self, ray: &GridRay) -> ControlFlow<()> {
-        self.found = ray.distance(self.facets.depth()) < self.t_max;
-        if self.found {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+        let met = stop_within(ray, self.facets.depth(), self.t_max);
+        self.found = met.is_break();
+        met
     }
 }
 

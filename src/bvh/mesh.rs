@@ -173,21 +173,19 @@ impl Visitor for Any<'_> {
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let met = self
             .mesh
-            .of_leaf::<K>(ray, base, leaf, |_, hit| self.within(ray, hit));
+            .of_leaf::<K>(ray, base, leaf, |_, hit| stop_within(ray, hit.depth, self.t_max));
         self.found = met.is_break();
         met
     }
 }
 
-impl Any<'_> {
-    /// Breaks at a hit that is in the way.
-    #[inline(always)]
-    fn within(&self, ray: &GridRay, hit: TriangleHit) -> ControlFlow<()> {
-        if ray.distance(hit.depth) < self.t_max {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
-        }
+/// Breaks at a hit that is in the way.
+#[inline(always)]
+pub(super) fn stop_within(ray: &GridRay, depth: i32, t_max: i32) -> ControlFlow<()> {
+    if ray.distance(depth) < t_max {
+        ControlFlow::Break(())
+    } else {
+        ControlFlow::Continue(())
     }
 }
 
