@@ -41,6 +41,22 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
     sums
 }
 
+/// The upper registers that a caller wants back, onto the stack; r4 to r7 are free.
+#[cfg(target_arch = "arm")]
+macro_rules! save_upper {
+    () => {
+        "mov r4, r8; mov r5, r9; mov r6, r10; mov r7, r11; push {{r4, r5, r6, r7}}"
+    };
+}
+
+/// And back.
+#[cfg(target_arch = "arm")]
+macro_rules! restore_upper {
+    () => {
+        "pop {{r4, r5, r6, r7}}; mov r8, r4; mov r9, r5; mov r10, r6; mov r11, r7"
+    };
+}
+
 #[cfg(target_arch = "arm")]
 mod arm;
 #[cfg(target_arch = "arm")]

@@ -336,11 +336,7 @@ macro_rules! meta {
 unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
     naked_asm!(
         "push {{r4, r5, r6, r7, lr}}",
-        "mov r4, r8",
-        "mov r5, r9",
-        "mov r6, r10",
-        "mov r7, r11",
-        "push {{r4, r5, r6, r7}}",
+        save_upper!(),
         "str r2, [r0, #{facets}]",
         "movs r2, r0",
         "adds r2, #{slopes}",
@@ -374,11 +370,7 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "movs r0, r4",
         "26:",
         "add sp, #24",
-        "pop {{r4, r5, r6, r7}}",
-        "mov r8, r4",
-        "mov r9, r5",
-        "mov r10, r6",
-        "mov r11, r7",
+        restore_upper!(),
         "pop {{r4, r5, r6, r7, pc}}",
         // The node in r4, or the last that waits, unless it is beyond the limit.
         "30:",
