@@ -207,10 +207,12 @@ pub(super) fn kept(place: &Head) -> Light {
     [[a, b], [c, d], [e, f]].map(u16::from_ne_bytes)
 }
 
-#[inline(always)]
-fn keep(place: &mut Head, light: Light) {
-    let [[a, b], [c, d], [e, f]] = light.map(u16::to_ne_bytes);
-    *place = [a, b, c, d, e, f, 0, 0];
+/// A row of light into the places of its heads.
+fn keep(places: &mut [Head], lights: &[Light]) {
+    for (place, light) in places.iter_mut().zip(lights) {
+        let [[a, b], [c, d], [e, f]] = light.map(u16::to_ne_bytes);
+        *place = [a, b, c, d, e, f, 0, 0];
+    }
 }
 
 /// What a worker has for the finest light.
@@ -289,19 +291,11 @@ fn finish(
             core::mem::swap(&mut done, &mut before);
             // Now `done` is the row before, which nobody asks for any more.
             if y > first {
-                let places = &mut rows[(y - 1 - first) * width..][..width];
-                places
-                    .iter_mut()
-                    .zip(&*done)
-                    .for_each(|(place, light)| keep(place, *light));
+                keep(&mut rows[(y - 1 - first) * width..], done);
             }
         }
         if end > first {
-            let places = &mut rows[(end - 1 - first) * width..][..width];
-            places
-                .iter_mut()
-                .zip(&*before)
-                .for_each(|(place, light)| keep(place, *light));
+            keep(&mut rows[(end - 1 - first) * width..], before);
         }
     };
     let (one, two) = rings.split_at_mut(Ring::bytes(width));
