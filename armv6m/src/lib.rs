@@ -66,7 +66,7 @@ mod walk;
 #[cfg(target_arch = "arm")]
 pub use facets::{Corner, Facets, Met};
 #[cfg(target_arch = "arm")]
-pub use walk::{Leaves, Order, Ray, Walk};
+pub use walk::{DEPTH_BITS, Leaves, Order, Ray, STACK, Walk};
 
 #[cfg(test)]
 mod tests {

@@ -33,10 +33,10 @@ pub enum Order {
 
 /// Bytes of a node.
 const NODE: usize = 40;
-/// Nodes that may wait.
-const STACK: usize = 40;
+/// Nodes that may wait: what is more is passed by.
+pub const STACK: usize = 40;
 /// Fraction bits of a triangle's depth.
-const DEPTH_BITS: u32 = 4;
+pub const DEPTH_BITS: u32 = 4;
 
 /// Leaves of a node that the ray may meet.
 #[derive(Clone, Copy)]

@@ -10,6 +10,8 @@ use core::ops::ControlFlow;
 use microlux_armv6m::{self as assembly, Corner, Facets, Walk};
 use zerocopy::IntoBytes;
 
+const _: () = assert!(3 * super::MAX_DEPTH < assembly::STACK && DEPTH_BITS == assembly::DEPTH_BITS);
+
 /// At the root of a tree.
 #[inline(always)]
 fn begin<'w, 'a>(
