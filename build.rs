@@ -1,5 +1,5 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
-//! `assembly` where these take the routines of the crate `microlux-armv6m`.
+//! `assembly` where these take the routines of the crate `microlux-asm`.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(narrow_mul, assembly)");
@@ -7,7 +7,7 @@ fn main() {
     let target = std::env::var("TARGET").unwrap_or_default();
     if target.starts_with("thumbv6m") || target.starts_with("thumbv8m.base") {
         println!("cargo::rustc-cfg=narrow_mul");
-        if std::env::var_os("CARGO_FEATURE_ARMV6M").is_some() {
+        if std::env::var_os("CARGO_FEATURE_ASM").is_some() {
             println!("cargo::rustc-cfg=assembly");
         }
     }

@@ -19,7 +19,7 @@ pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_m
     // The limit has whole steps: take all sixteenths of the last.
     let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
     #[cfg(assembly)]
-    return super::armv6m::closest(mesh, nodes, ray, depth, t_max);
+    return super::asm::closest(mesh, nodes, ray, depth, t_max);
     #[cfg(not(assembly))]
     {
         let mut nearest = Nearest::within(mesh, depth);
@@ -43,7 +43,7 @@ pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_
         return false;
     };
     #[cfg(assembly)]
-    return super::armv6m::occluded(mesh, nodes, ray, t_max);
+    return super::asm::occluded(mesh, nodes, ray, t_max);
     #[cfg(not(assembly))]
     {
         let mut any = Any {

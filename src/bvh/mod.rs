@@ -6,7 +6,7 @@
 //! a linear scan answers, primitive and distance, bit for bit.
 
 #[cfg(assembly)]
-mod armv6m;
+mod asm;
 mod build;
 mod check;
 mod mesh;

@@ -27,7 +27,7 @@
 //! |F| < 2^31 for any grid point; (q << 13) and S·q are under 2^21.
 
 #[cfg(assembly)]
-use super::armv6m::walk;
+use super::asm::walk;
 use super::node::Node;
 #[cfg(not(any(assembly, target_arch = "x86_64")))]
 use super::one_by_one::OneByOne as Boxes;

@@ -1,7 +1,7 @@
 //! The network's sums as the core makes them, over random activations: in assembly on ARMv6-M, by the plain loop elsewhere.
 
 use microlux::num::Crc;
-use microlux_armv6m::sums;
+use microlux_asm::sums;
 
 use crate::random::Xorshift;
 

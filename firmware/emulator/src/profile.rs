@@ -59,11 +59,8 @@ const UNPACKING: usize = 4;
 const SURFACE: usize = 5;
 const INTERSECTION: usize = 6;
 
-/// Modules of assembly, of which no source is known.
-const ASSEMBLY: [(&str, usize); 2] = [
-    ("microlux_armv6m::walk::", TRAVERSAL),
-    ("microlux_armv6m::facets::", INTERSECTION),
-];
+/// Modules of `microlux_asm`, of which no source is known.
+const ASSEMBLY: [(&str, usize); 2] = [("::walk::", TRAVERSAL), ("::facets::", INTERSECTION)];
 
 /// Sources that serve several stages.
 const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color/", "src/sampler/warp.rs"];
@@ -195,7 +192,8 @@ fn stages(program: &Path, elf: &object::File) -> Result<String> {
 fn assembly(elf: &object::File) -> Vec<(Range<u64>, usize)> {
     let one = |symbol: object::Symbol| {
         let name = format!("{:#}", rustc_demangle::demangle(symbol.name().ok()?));
-        let (_, stage) = ASSEMBLY.iter().find(|(module, _)| name.starts_with(module))?;
+        let place = name.strip_prefix("microlux_asm")?;
+        let (_, stage) = ASSEMBLY.iter().find(|(module, _)| place.contains(module))?;
         let start = symbol.address() & !1;
         (symbol.size() > 0).then_some((start..start + symbol.size(), *stage))
     };

@@ -280,7 +280,7 @@ fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterato
 }
 
 #[cfg(assembly)]
-use microlux_armv6m::sums;
+use microlux_asm::sums;
 
 /// Products of activations, run by run, with two weights a word, added up modulo 2^32.
 #[cfg(not(assembly))]

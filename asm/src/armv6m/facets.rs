@@ -3,7 +3,7 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use crate::Ray;
+use super::walk::Ray;
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far, in the order in which [`look`] reads it.
 #[repr(C)]

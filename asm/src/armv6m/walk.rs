@@ -3,7 +3,7 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use crate::facets::{self, Facets};
+use super::facets::{self, Facets};
 
 /// A ray as a tree's grid sees it.
 #[derive(Clone, Copy)]

@@ -7,7 +7,7 @@ use crate::num::RECIPS;
 use crate::shape::{DEPTH_BITS, GridRay, MeshHit, PackedMesh, SLOPE_BITS, Triangles};
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
-use microlux_armv6m::{self as assembly, Corner, Facets, Walk};
+use microlux_asm::{self as assembly, Corner, Facets, Walk};
 use zerocopy::IntoBytes;
 
 const _: () = assert!(3 * super::MAX_DEPTH < assembly::STACK && DEPTH_BITS == assembly::DEPTH_BITS);
