@@ -224,19 +224,19 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
 }
 
 fn sample(radiance: Radiance, first: &First) -> feature::Sample {
-    let id = first.distance.map_or(ID_NOTHING, |_| first.id);
     feature::Sample {
         radiance,
         albedo: first.albedo,
         normal: first.normal,
         distance: first.distance,
-        id: feature::first_id(id, first.bounces),
+        id: feature::first_id(first.id.unwrap_or(ID_NOTHING), first.bounces),
     }
 }
 
 /// Two frames' cameras: where what is seen now was seen before.
 ///
-/// What is seen by way of mirrors is taken for what it looks like, a thing behind them. Right to a sixteenth of a pixel and
+/// What is seen by way of flat mirrors is a thing behind them; by way of curved ones, a thing on them
+/// ([`Feature::depth`]). Right to a sixteenth of a pixel and
 /// to what the distance's steps (2.2 % at most) are worth.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
@@ -285,10 +285,6 @@ impl Reproject for Motion {
         // Q12 to sixteenths.
         let place = self.before.place(point)?.map(|c| (c + (1 << 7)) >> 8);
         Some(Before { place, depth })
-    }
-
-    fn is_still(&self) -> bool {
-        self.is_still
     }
 
     fn is_whole(&self) -> bool {

@@ -26,7 +26,8 @@ pub struct Feature {
     pub irradiance: Rgb9e5,
     /// The samples' mean, 1/32 at least, as [`albedo_code`] has it.
     pub albedo: [u8; 3],
-    /// The samples' mean of [`depth_code`]s: mirrors and glass count with the length of the way through them.
+    /// The samples' mean of [`depth_code`]s, where what is seen looks to be: behind flat mirrors and flat glass, at the length
+    /// of the way; on curved ones.
     pub depth: u8,
     /// The samples' mean, made a unit vector: the shading normal on the eye's side; towards the eye where nothing is.
     pub normal: Octahedral,
@@ -112,7 +113,7 @@ pub struct Sample {
     /// What the first surface gives back, times what mirrors and glass on the way there let through.
     pub albedo: Albedo,
     pub normal: Dir,
-    /// Units; `None` for what is infinitely far away.
+    /// Units; `None` for what looks infinitely far away.
     pub distance: Option<i32>,
     pub id: u16,
 }

@@ -2,7 +2,7 @@ use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Ray};
 use crate::material::Material;
 use crate::num::{Share, Uniform};
-use crate::scene::{Scene, Vertex};
+use crate::scene::{Hit, Scene, Vertex};
 
 /// What is seen first that is no mirror or glass: the layers beside a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,8 +33,8 @@ struct Last {
 }
 
 impl Witness for Last {
-    fn surface(&mut self, vertex: &Vertex, _: Radiance, distance: i32) {
-        self.depth = self.depth.saturating_add(distance);
+    fn surface(&mut self, _: &Scene, hit: &Hit, vertex: &Vertex, _: Radiance) {
+        self.depth = self.depth.saturating_add(hit.t);
         self.seen = Some(Features {
             albedo: vertex.albedo(),
             normal: vertex.facing(),
@@ -69,7 +69,7 @@ fn follow(scene: &Scene, ray: Ray, witness: &mut impl Witness, rays: &mut u32) {
             return witness.nothing(&ray, throughput);
         };
         let vertex = scene.vertex(&ray, &hit);
-        witness.surface(&vertex, throughput, hit.t);
+        witness.surface(scene, &hit, &vertex, throughput);
         if is_end(&vertex) || bounce == BOUNCES {
             return;
         }
@@ -92,8 +92,8 @@ fn is_end(vertex: &Vertex) -> bool {
 
 /// Who wants to know what a camera path meets on its way.
 pub trait Witness {
-    /// The path met a surface, `distance` units from its last place, with this throughput so far.
-    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32);
+    /// The path met a surface at `hit`, with this throughput so far.
+    fn surface(&mut self, scene: &Scene, hit: &Hit, vertex: &Vertex, throughput: Radiance);
 
     /// It met nothing.
     fn nothing(&mut self, ray: &Ray, throughput: Radiance);
@@ -104,8 +104,8 @@ pub trait Witness {
 
 impl<W: Witness> Witness for &mut W {
     #[inline(always)]
-    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32) {
-        W::surface(self, vertex, throughput, distance);
+    fn surface(&mut self, scene: &Scene, hit: &Hit, vertex: &Vertex, throughput: Radiance) {
+        W::surface(self, scene, hit, vertex, throughput);
     }
 
     #[inline(always)]
@@ -125,7 +125,7 @@ pub struct NoWitness;
 
 impl Witness for NoWitness {
     #[inline(always)]
-    fn surface(&mut self, _: &Vertex, _: Radiance, _: i32) {}
+    fn surface(&mut self, _: &Scene, _: &Hit, _: &Vertex, _: Radiance) {}
 
     #[inline(always)]
     fn nothing(&mut self, _: &Ray, _: Radiance) {}
@@ -142,13 +142,19 @@ pub struct First {
     pub albedo: Albedo,
     /// As shading sees it, on the side the path came from; back along the path where it met nothing.
     pub normal: Dir,
-    /// Length of the way there, units; `None` where it met nothing.
+    /// Units; `None` where what it shows is infinitely far.
+    ///
+    /// Where what is seen looks to be, so that it is found again when the camera has moved: behind flat mirrors and flat
+    /// glass, at the length of the way; by way of what is curved, on that. (The image of what is far stands half a ball's
+    /// radius behind its surface: nearer to that than to the length of the way.)
     pub distance: Option<i32>,
-    /// The user's number for the shape.
-    pub id: u16,
+    /// The user's number for the shape; `None` where it met nothing.
+    pub id: Option<u16>,
     /// Mirrors and glass on the way.
     pub bounces: u16,
     so_far: i32,
+    /// Whether all was flat so far.
+    is_flat: bool,
     is_found: bool,
     /// Whether the way went by chance: smooth glass reflects and refracts.
     is_drawn: bool,
@@ -170,9 +176,10 @@ impl First {
             albedo: Albedo::WHITE,
             normal: Dir::Z,
             distance: None,
-            id: 0,
+            id: None,
             bounces: 0,
             so_far: 0,
+            is_flat: true,
             is_found: false,
             is_drawn: false,
         }
@@ -186,15 +193,16 @@ impl Default for First {
 }
 
 impl Witness for First {
-    fn surface(&mut self, vertex: &Vertex, throughput: Radiance, distance: i32) {
+    fn surface(&mut self, scene: &Scene, hit: &Hit, vertex: &Vertex, throughput: Radiance) {
         if self.is_found {
             return;
         }
-        if self.distance.is_some() {
-            self.bounces += 1;
+        self.bounces += u16::from(self.id.is_some());
+        self.so_far = self.so_far.saturating_add(hit.t);
+        if self.is_flat {
+            self.distance = Some(self.so_far);
+            self.is_flat = scene.is_flat(hit, vertex);
         }
-        self.so_far = self.so_far.saturating_add(distance);
-        self.distance = Some(self.so_far);
         let own = if vertex.emission.is_black() {
             vertex.albedo()
         } else {
@@ -202,7 +210,7 @@ impl Witness for First {
         };
         self.albedo = shares(throughput).times(own);
         self.normal = vertex.facing();
-        self.id = vertex.id;
+        self.id = Some(vertex.id);
         self.is_found = is_end(vertex);
         self.is_drawn |= matches!(vertex.material, Material::Dielectric(_));
     }
@@ -211,10 +219,13 @@ impl Witness for First {
         if self.is_found {
             return;
         }
-        self.bounces += u16::from(self.distance.is_some());
+        self.bounces += u16::from(self.id.is_some());
         self.albedo = shares(throughput);
         self.normal = -ray.dir;
-        self.distance = None;
+        if self.is_flat {
+            self.distance = None;
+        }
+        self.id = None;
         self.is_found = true;
     }
 

@@ -103,7 +103,7 @@ impl Path {
                 continue;
             }
 
-            witness.surface(&vertex, throughput, hit.t);
+            witness.surface(scene, &hit, &vertex, throughput);
 
             // Add what the surface emits, weighted against the light sample that could have found it.
             if let Some(light) = vertex.light {

@@ -406,6 +406,15 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// Whether a mirror there shows things as flat ones do; a mesh is flat where its vertices have no normals.
+    pub fn is_flat(&self, hit: &Hit, vertex: &Vertex) -> bool {
+        let shape = self.parts.shapes.get(hit.shape as usize);
+        match shape.map(|shape| &shape.geometry) {
+            Some(Geometry::Sphere(_) | Geometry::Implicit(_)) => false,
+            _ => vertex.told.shading.is_none(),
+        }
+    }
+
     /// A direction from a place towards light number `index`; `None` where it can send nothing. The shadow ray begins where
     /// [`Surface::leave`] says.
     #[inline]

@@ -14,7 +14,7 @@ use microlux::render::{Renderer, Settings};
 use microlux::sampler::Sobol;
 use microlux::scene::builtin::Builtin;
 use microlux::scene::{Scene, SceneBuilder};
-use microlux::shape::Plane;
+use microlux::shape::{Plane, Sphere};
 
 const SETTINGS: Settings = Settings {
     width: 24,
@@ -113,6 +113,66 @@ fn mirrors_and_glass_are_looked_through() {
         );
         assert_eq!(short.radiance(), Radiance::BLACK);
     });
+}
+
+/// Where it is found again when the camera has moved.
+#[test]
+fn what_a_mirror_shows_is_behind_it_if_it_is_flat_and_on_it_if_it_is_a_ball() {
+    let seen = |is_ball: bool, has_wall: bool| {
+        let mut builder = SceneBuilder::<2, 2, 1>::new();
+        let half = q!(0.5, Share);
+        let grey = builder
+            .material(Material::lambert(albedo(half, half, half)))
+            .unwrap();
+        let mirror = builder
+            .material(Material::mirror(albedo(Share::ONE, Share::ONE, Share::ONE)))
+            .unwrap();
+        let unit = builder.unit();
+        let at = |z| Point([0, 0, unit.length(z)]);
+        if is_ball {
+            let ball = Sphere::new(at(q!(-3)), unit.length(q!(1)));
+            builder.shape(ball, mirror).unwrap();
+        } else {
+            let plane = Plane {
+                point: at(q!(-2)),
+                normal: Dir::Z,
+            };
+            builder.shape(plane, mirror).unwrap();
+        }
+        if has_wall {
+            let plane = Plane {
+                point: at(q!(3)),
+                normal: -Dir::Z,
+            };
+            builder.shape(plane, grey).unwrap();
+        }
+        builder
+            .light(Light::Environment {
+                radiance: Radiance::WHITE,
+            })
+            .unwrap();
+        let camera = Camera::look_at(
+            at(q!(0)),
+            at(q!(-2)),
+            [0, 1, 0],
+            Camera::tan_half(Turn::from_bits(1 << 22)),
+        );
+        let mut nodes = [Node::EMPTY; 2];
+        let scene = builder.build(&mut nodes).unwrap();
+        let renderer = Renderer::new(&scene, camera.unwrap(), Path::new(6), Sobol::new(5), SETTINGS);
+        let guide = renderer.guide(SETTINGS.width / 2, SETTINGS.height / 2);
+        let code = |metres| depth_code(unit.length(metres));
+        ((guide.id, guide.depth), code(q!(2)), code(q!(7)))
+    };
+    let sky = first_id(ID_NOTHING, 1);
+    let (flat, _, back) = seen(false, true);
+    assert_eq!(flat, (first_id(1, 1), back));
+    let (flat, ..) = seen(false, false);
+    assert_eq!(flat, (sky, DEPTH_NOTHING));
+    let (ball, front, _) = seen(true, true);
+    assert_eq!(ball, (first_id(1, 1), front));
+    let (ball, front, _) = seen(true, false);
+    assert_eq!(ball, (sky, front));
 }
 
 #[test]

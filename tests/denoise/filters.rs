@@ -24,10 +24,6 @@ impl Reproject for Still {
         })
     }
 
-    fn is_still(&self) -> bool {
-        true
-    }
-
     fn is_whole(&self) -> bool {
         true
     }
@@ -55,10 +51,6 @@ impl Reproject for Wild {
                 depth,
             }),
         }
-    }
-
-    fn is_still(&self) -> bool {
-        self.0.is_multiple_of(3)
     }
 
     fn is_whole(&self) -> bool {
@@ -234,43 +226,6 @@ fn what_was_uncovered_has_no_past() {
         denoiser.frame().copy_from_slice(&pixels);
         let clean = denoiser.denoise(Some(&Shift([16 * i32::from(SIZE.width), 0])), &mut Off);
         assert!(clean.light.iter().zip(&pixels).all(|(l, p)| *l == p.irradiance));
-    });
-}
-
-/// The sky in a ball that goes by does not move with the sky.
-#[test]
-fn a_sky_in_a_mirror_has_no_past_where_something_moved() {
-    let frame = |level: u32, id: u16| {
-        let pixel = Feature {
-            irradiance: light([level << 15; 3], -15),
-            albedo: [255; 3],
-            depth: DEPTH_NOTHING,
-            id,
-            ..Feature::default()
-        };
-        vec![pixel; SIZE.pixels()]
-    };
-    let second = |id: u16, motion: &dyn Fn(&mut Denoiser)| {
-        with_denoiser(SIZE, 1, |denoiser| {
-            denoiser.frame().copy_from_slice(&frame(1, id));
-            denoiser.denoise(Some(&Still), &mut Off);
-            denoiser.frame().copy_from_slice(&frame(3, id));
-            motion(denoiser);
-        });
-    };
-    let mirrored = first_id(ID_NOTHING, 1);
-    for (id, level) in [(mirrored, 3.0), (ID_NOTHING, 2.0)] {
-        second(id, &|denoiser| {
-            let clean = denoiser.denoise(Some(&Shift([0, 0])), &mut Off);
-            assert!(
-                clean.light.iter().all(|l| value(l.decode()) == [level; 3]),
-                "{id}"
-            );
-        });
-    }
-    second(mirrored, &|denoiser| {
-        let clean = denoiser.denoise(Some(&Still), &mut Off);
-        assert!(clean.light.iter().all(|l| value(l.decode()) == [2.0; 3]));
     });
 }
 

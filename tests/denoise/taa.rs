@@ -4,7 +4,6 @@ use crate::{Random, Shift, value};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{Clean, Seen, Shown, Size};
-use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
 use microlux::geom::{Dir, Octahedral};
 
 const SIZE: Size = Size {
@@ -156,23 +155,6 @@ fn nothing_lingers() {
             assert!(made <= near.fold(0.0, f64::max) + 1.0 / 4096.0, "{x} {y} {c}");
         }
     }
-}
-
-#[test]
-fn a_sky_in_a_mirror_is_shown_as_it_is() {
-    let mut random = Random(9);
-    let (now, before) = (noise(&mut random, 1.0), noise(&mut random, 1.0));
-    let sky = |id: u16| {
-        let pixel = |pixel| Feature {
-            depth: DEPTH_NOTHING,
-            id,
-            ..pixel
-        };
-        frame(&now).into_iter().map(pixel).collect::<Vec<_>>()
-    };
-    let shown = |id: u16| steadied_frame(&sky(id), &now, &before, [0, 0]);
-    assert_eq!(shown(first_id(ID_NOTHING, 1)), now);
-    assert_ne!(shown(ID_NOTHING), now);
 }
 
 /// No picture that long: nothing is mixed, and nothing fails.

@@ -180,13 +180,12 @@ pub fn frame(shot: &Shot, count: usize) -> Result<Vec<Feature>> {
         count as u32,
         |seen| {
             if let Some((radiance, first)) = seen {
-                let id = first.distance.map_or(ID_NOTHING, |_| first.id);
                 sum.add(&feature::Sample {
                     radiance,
                     albedo: first.albedo,
                     normal: first.normal,
                     distance: first.distance,
-                    id: feature::first_id(id, first.bounces),
+                    id: feature::first_id(first.id.unwrap_or(ID_NOTHING), first.bounces),
                 });
             }
             samples += 1;

@@ -2,7 +2,7 @@ use super::Size;
 use super::weight::{Mean, turn_of};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::feature::{DEPTH_NOTHING, ID_NOTHING, albedo_share};
+use crate::film::feature::{DEPTH_NOTHING, albedo_share};
 use crate::num::{isqrt, leading_zeros, mul_hi, recip};
 
 /// Where a pixel's place was in the frame before.
@@ -18,14 +18,6 @@ pub struct Before {
 pub trait Reproject: Sync {
     /// Where what is seen in the middle of pixel (x, y), at this [`Feature::depth`], was before; `None` if out of sight.
     fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before>;
-
-    /// Whether nothing moved.
-    ///
-    /// What a mirror or glass shows of what is infinitely far moves with it, nobody knows how far: it is not remembered
-    /// unless this is so.
-    fn is_still(&self) -> bool {
-        false
-    }
 
     /// Whether nothing moved, and pixels are remembered as a whole: silhouettes that go through them, and their albedo.
     ///
@@ -315,9 +307,6 @@ fn remember<M: Reproject>(
     pixel: &Feature,
     (x, y): (u16, u16),
 ) -> Option<(Then, u8)> {
-    if is_sky_elsewhere(pixel.id, pixel.depth) && !past.motion.is_still() {
-        return None;
-    }
     let Before { place, depth } = past.motion.before(x, y, pixel.depth)?;
     let is_alike =
         |was: &Feature| was.id == pixel.id && is_near(was.depth, depth) && turn_of(was, pixel) <= TURN_SLACK;
@@ -388,12 +377,6 @@ fn quotient(a: u32, b: u32) -> u32 {
     // raw: a < 2^12; the reciprocal is right to 2^-28, so that the answer is, or one less.
     let guess = mul_hi(a, r.mantissa) >> (r.shift - 32);
     guess + u32::from((guess + 1) * b <= a)
-}
-
-/// What is infinitely far by way of a mirror or glass, which has a number of its own.
-#[inline]
-pub(super) fn is_sky_elsewhere(id: u16, depth: u8) -> bool {
-    depth == DEPTH_NOTHING && id != ID_NOTHING
 }
 
 #[inline]

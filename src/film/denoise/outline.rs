@@ -73,10 +73,6 @@ impl Seen {
         (self.of >> 8) as u8
     }
 
-    pub(super) fn id(&self) -> u16 {
-        (self.of >> 16) as u16
-    }
-
     fn samples(&self) -> u32 {
         self.of & 255
     }

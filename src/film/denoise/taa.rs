@@ -4,7 +4,6 @@
 //! the noise, is so worth a half, a quarter, and so on. What was before is held within the least and the most that the
 //! 3 × 3 of now have, by channel, so that nothing lingers (Karis, "High-Quality Temporal Supersampling", 2014).
 
-use super::accumulate::is_sky_elsewhere;
 use super::outline::{Row, Seen, tone};
 use super::weight::Mean;
 use super::{Reproject, Size};
@@ -50,13 +49,8 @@ impl Row<'_> {
         (0..self.len()).map(move |x| {
             let near = self.near(x);
             let own = Self::light(&near);
-            let here = near[1][1];
-            let is_lost = is_sky_elsewhere(here.id(), here.depth()) && !shown.motion.is_still();
             let nearest = near.iter().flatten().map(|seen| seen.depth()).min();
-            match nearest
-                .filter(|_| !is_lost)
-                .and_then(|depth| shown.before(x as u16, y, depth))
-            {
+            match nearest.and_then(|depth| shown.before(x as u16, y, depth)) {
                 Some(was) => {
                     let was = held(was, &near);
                     mixed([own, was].into_iter().map(|light| (light, tone(light))))

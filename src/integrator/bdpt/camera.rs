@@ -94,7 +94,7 @@ impl<const N: usize> Bdpt<N> {
                 continue;
             }
 
-            tally.witness().surface(&vertex, throughput, hit.t);
+            tally.witness().surface(scene, &hit, &vertex, throughput);
 
             // Add what the surface emits.
             if let Some(light) = vertex.light {
