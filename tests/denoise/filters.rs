@@ -5,7 +5,7 @@ use microlux::film::denoise::{
     Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Seen, Size, TooShort,
     Whole, accumulate, beside, upsample,
 };
-use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
+use microlux::film::feature::ID_NOTHING;
 use microlux::geom::Octahedral;
 
 const SIZE: Size = Size {
