@@ -67,18 +67,17 @@ impl Path {
         let mut depth = 0;
         // How many lights a camera ray may still pass through unseen.
         let mut hidden = if self.hide_emitters { HIDDEN } else { 0 };
+        // What the last segment ends on.
+        let mut end = None;
         while depth < self.max_depth {
             depth += 1;
-            *rays += 1;
-            // Of the last segment only light matters, unless it is the camera's own.
-            let seen = if depth == self.max_depth && depth > 1 {
-                scene.closest_light(&ray)
-            } else {
-                Some(scene.closest(&ray).map_or(Seen::Environment, Seen::Emitter))
-            };
+            let seen = end.unwrap_or_else(|| {
+                *rays += 1;
+                scene.closest(&ray).map_or(Seen::Environment, Seen::Emitter)
+            });
             let hit = match seen {
-                Some(Seen::Emitter(hit)) => hit,
-                Some(Seen::Environment) if depth > 1 || !self.hide_emitters => {
+                Seen::Emitter(hit) => hit,
+                Seen::Environment if depth > 1 || !self.hide_emitters => {
                     witness.nothing(&ray, throughput);
                     let mut background = throughput.mul(scene.background(ray.dir));
                     let light_pdf = scene.background_pdf(ray.dir);
@@ -88,11 +87,10 @@ impl Path {
                     sum = sum.add(background);
                     break;
                 }
-                Some(Seen::Environment) => {
+                Seen::Environment => {
                     witness.nothing(&ray, throughput);
                     break;
                 }
-                None => break,
             };
             let vertex = scene.vertex(&ray, &hit);
             if depth == 1 && hidden > 0 && vertex.is_emitter {
@@ -127,19 +125,28 @@ impl Path {
             }
 
             // Go on in a direction drawn from the BSDF.
-            let Some(sample) = vertex.sample(direction, lobe) else {
+            let Some(drawn) = vertex.draw(direction, lobe) else {
                 break;
             };
+            ray = Ray {
+                origin: vertex.surface.leave(drawn.wi),
+                dir: drawn.wi,
+            };
+            // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
+            if depth + 1 == self.max_depth {
+                *rays += 1;
+                end = scene.closest_light(&ray);
+                if end.is_none() {
+                    break;
+                }
+            }
+            let sample = drawn.weigh();
             throughput = throughput.mul(sample.weight);
             if throughput.is_black() {
                 break;
             }
             eta_squared = eta_squared * sample.eta_squared;
             bsdf_pdf = sample.pdf;
-            ray = Ray {
-                origin: vertex.surface.leave(sample.wi),
-                dir: sample.wi,
-            };
 
             // End paths that carry little, and let the others make up for it.
             if depth >= self.rr_depth {

@@ -1,4 +1,4 @@
-use super::{BsdfSample, Local, facing};
+use super::{BsdfSample, Drawn, Local, Worth, facing};
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Frame};
 use crate::num::{Uniform, Wide};
@@ -23,14 +23,25 @@ pub(super) fn pdf(two_sided: bool, local: &Local, wi: Dir) -> Wide {
 
 /// Cosine-distributed about the normal: the weight is the reflectance.
 #[inline]
-pub(super) fn sample(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform; 2]) -> Option<BsdfSample> {
+pub(super) fn draw(albedo: Albedo, two_sided: bool, local: &Local, u: [Uniform; 2]) -> Option<Drawn> {
     let normal = facing(two_sided, local)?;
     let drawn = warp::sample_cosine_hemisphere(u);
-    let wi = Frame::turn(normal, drawn);
-    Some(BsdfSample {
+    Some(Drawn {
+        wi: Frame::turn(normal, drawn),
+        worth: Worth::Diffuse {
+            albedo,
+            cos: drawn.0[2],
+        },
+    })
+}
+
+/// What a direction of [`draw`] is worth.
+#[inline]
+pub(super) fn weigh(albedo: Albedo, cos: i32, wi: Dir) -> BsdfSample {
+    BsdfSample {
         wi,
         weight: Radiance::from_albedo(albedo, Wide::ONE),
-        pdf: warp::pdf_cosine_hemisphere(drawn.0[2]),
+        pdf: warp::pdf_cosine_hemisphere(cos),
         eta_squared: Wide::ONE,
-    })
+    }
 }

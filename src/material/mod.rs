@@ -104,6 +104,64 @@ impl BsdfSample {
     }
 }
 
+/// A direction drawn from a BSDF; what it is worth is told when that is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Drawn {
+    pub wi: Dir,
+    worth: Worth,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Worth {
+    /// Of ideal diffuse reflection: the cosine is enough to tell.
+    Diffuse { albedo: Albedo, cos: i32 },
+    /// Of all others, found out by the way.
+    Told {
+        weight: Radiance,
+        pdf: Wide,
+        eta_squared: Wide,
+    },
+}
+
+impl Drawn {
+    #[inline]
+    pub fn weigh(self) -> BsdfSample {
+        match self.worth {
+            Worth::Diffuse { albedo, cos } => lambert::weigh(albedo, cos, self.wi),
+            Worth::Told {
+                weight,
+                pdf,
+                eta_squared,
+            } => BsdfSample {
+                wi: self.wi,
+                weight,
+                pdf,
+                eta_squared,
+            },
+        }
+    }
+}
+
+impl From<BsdfSample> for Drawn {
+    #[inline]
+    fn from(sample: BsdfSample) -> Drawn {
+        let BsdfSample {
+            wi,
+            weight,
+            pdf,
+            eta_squared,
+        } = sample;
+        Drawn {
+            wi,
+            worth: Worth::Told {
+                weight,
+                pdf,
+                eta_squared,
+            },
+        }
+    }
+}
+
 impl Material {
     /// Two-sided diffuse.
     pub const fn lambert(albedo: Albedo) -> Material {
@@ -249,9 +307,15 @@ impl Material {
     /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.
     #[inline]
     pub fn sample(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
-        match self {
-            Material::Black => None,
-            Material::Lambert { albedo, two_sided } => lambert::sample(*albedo, *two_sided, local, u),
+        self.draw(local, u, lobe).map(Drawn::weigh)
+    }
+
+    /// [`Self::sample`] for who may not ask what the direction is worth.
+    #[inline]
+    pub fn draw(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<Drawn> {
+        let sample = match self {
+            Material::Black => return None,
+            Material::Lambert { albedo, two_sided } => return lambert::draw(*albedo, *two_sided, local, u),
             Material::Mirror {
                 reflectance,
                 two_sided,
@@ -271,7 +335,8 @@ impl Material {
             Material::BlinnPhong(phong) => phong.sample(local, u, lobe),
             Material::Conductor(metal) => metal.sample(local, u),
             Material::RoughDielectric(glass) => glass.sample(local, u, lobe),
-        }
+        };
+        sample.map(Drawn::from)
     }
 }
 

@@ -20,7 +20,7 @@ use crate::bvh::Node;
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, FAR, Point, Ray, Unit};
 use crate::light::{self, Emitter, Environment, Light, LightSample};
-use crate::material::{BsdfSample, Local, Material, Texture};
+use crate::material::{BsdfSample, Drawn, Local, Material, Texture};
 use crate::num::{Uniform, Wide};
 use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 
@@ -190,16 +190,16 @@ impl Told {
 
     #[cold]
     #[inline(never)]
-    fn sample(
+    fn draw(
         &self,
         material: &Material,
         geometric: Dir,
         wo: Dir,
         (u, lobe): ([Uniform; 2], Uniform),
-    ) -> Option<BsdfSample> {
+    ) -> Option<Drawn> {
         let local = self.local(geometric, wo);
-        let sample = self.tinted(material).sample(&local, u, lobe)?;
-        (!self.leaks(&local, geometric, sample.wi)).then_some(sample)
+        let drawn = self.tinted(material).draw(&local, u, lobe)?;
+        (!self.leaks(&local, geometric, drawn.wi)).then_some(drawn)
     }
 }
 
@@ -242,18 +242,24 @@ impl Vertex<'_> {
     }
 
     /// [`Material::sample`].
+    #[inline]
+    pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
+        self.draw(u, lobe).map(Drawn::weigh)
+    }
+
+    /// [`Material::draw`].
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline)]
-    pub fn sample(&self, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {
+    pub fn draw(&self, u: [Uniform; 2], lobe: Uniform) -> Option<Drawn> {
         if self.is_plain() {
             let local = Local {
                 normal: self.surface.normal,
                 wo: self.wo,
             };
-            return self.material.sample(&local, u, lobe);
+            return self.material.draw(&local, u, lobe);
         }
         self.told
-            .sample(self.material, self.surface.normal, self.wo, (u, lobe))
+            .draw(self.material, self.surface.normal, self.wo, (u, lobe))
     }
 
     /// Neither smooth normals nor colours: most shapes, for which the rest shall not be in the way.
