@@ -21,17 +21,20 @@ static BYTE_ZEROS: [u8; 256] = {
     table
 };
 
-/// [`leading_zeros`] where there is no instruction for it: two halvings and a table.
+/// [`leading_zeros`] where there is no instruction for it: the highest byte that is not 0, and a table.
 #[cfg(any(narrow_mul, test))]
 #[inline]
 const fn narrow_leading_zeros(x: u32) -> u32 {
-    let (zeros, x) = if x < 1 << 16 { (16, x << 16) } else { (0, x) };
-    let (zeros, x) = if x < 1 << 24 {
-        (zeros + 8, x << 8)
+    let (above, byte) = if x >> 24 != 0 {
+        (0, x >> 24)
+    } else if x >> 16 != 0 {
+        (8, x >> 16)
+    } else if x >> 8 != 0 {
+        (16, x >> 8)
     } else {
-        (zeros, x)
+        (24, x)
     };
-    zeros + BYTE_ZEROS[(x >> 24) as usize] as u32
+    above + BYTE_ZEROS[byte as usize & 255] as u32
 }
 
 /// The right shift that brings three components under `2^bits`; 0 if they are already.
