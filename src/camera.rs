@@ -1,7 +1,10 @@
 //! From a place in the picture to a ray.
 
 use crate::geom::{Dir, Norm, Offset, Point, Ray};
-use crate::num::{ONE_Q16, Recip, Uniform, Wide, leading_zeros, mul_q16, mul_shift, recip};
+use crate::num::{
+    ONE_Q16, Recip, Uniform, Wide, leading_zeros, mul_q16, mul_shift, mul_shift_brief, mul_shift_medium,
+    recip,
+};
 use crate::sampler::warp;
 use fixed::types::I12F20;
 
@@ -109,6 +112,7 @@ impl Camera {
             camera: *self,
             half_width: width as i32 * ONE_Q16,
             half_height: height as i32 * ONE_Q16,
+            is_small: (64..1 << 10).contains(&width) && height < 1 << 10 && self.tan_half <= I12F20::ONE,
             per_width: recip(width as u32),
             density: density_ahead(self.tan_half, width, height),
         }
@@ -122,6 +126,8 @@ pub struct FilmPlane {
     /// Half the width and height in half-pixels, Q16.
     half_width: i32,
     half_height: i32,
+    /// Neither wide nor narrow, of less than 90°: with products of less bits.
+    is_small: bool,
     per_width: Recip,
     /// [`Self::density`] straight ahead.
     density: Wide,
@@ -165,7 +171,16 @@ impl FilmPlane {
         let dx = across(x, place[0]) - self.half_width;
         let dy = self.half_height - across(y, place[1]);
         let tan = camera.tan_half.to_bits();
-        let to_plane = |d: i32| mul_shift(self.per_width.times(d, 10), tan, 26);
+        let to_plane = |d: i32| {
+            if self.is_small {
+                // |d| < 2^26, 1/width · 2^(shift − 11) is 2^27 at least.
+                let r = self.per_width;
+                let share = mul_shift_medium(d, (r.mantissa >> 1) as i32, r.shift - 11);
+                mul_shift_brief(tan, share, 26)
+            } else {
+                mul_shift(self.per_width.times(d, 10), tan, 26)
+            }
+        };
         let (sx, sy) = (to_plane(dx), to_plane(dy));
         let (r, u, f) = (camera.right.0, camera.up.0, camera.forward.0);
         // Axes of a camera that stands upright have components of 0.
@@ -289,5 +304,47 @@ impl FilmPlane {
         let origin = camera.origin.along(camera.right, by[0]).along(camera.up, by[1]);
         let per_focus = recip(focus.max(1) as u32);
         (origin, by.map(|by| per_focus.times(by, 20)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::num::narrow;
+
+    /// Whatever film counts as small, its products have no more bits than they may have.
+    #[test]
+    fn a_small_film_stays_within_its_products() {
+        let mut small = 0;
+        for (width, height) in
+            (1..1100).flat_map(|width| [(width, 1), (width, 240), (width, 1023), (240, width)])
+        {
+            for tan in [1, 355_000, 1 << 20, (1 << 20) + 1, 32 << 20] {
+                let tan_half = I12F20::from_bits(tan);
+                let frame = [Dir::X, Dir::Y, -Dir::Z];
+                let film = Camera::from_frame(Point([0; 3]), frame, tan_half).film(width, height);
+                if !film.is_small {
+                    continue;
+                }
+                small += 1;
+                let (mantissa, shift) = ((film.per_width.mantissa >> 1) as i32, film.per_width.shift - 11);
+                for most in [film.half_width, film.half_height] {
+                    for d in [most, -most, most / 3, 1 - most] {
+                        let share = mul_shift(d, mantissa, shift);
+                        assert_eq!(
+                            narrow::mul_shift_medium(d, mantissa, shift),
+                            share,
+                            "{width} {height}"
+                        );
+                        assert_eq!(
+                            narrow::mul_shift_brief(tan, share, 26),
+                            mul_shift(tan, share, 26),
+                            "{tan}"
+                        );
+                    }
+                }
+            }
+        }
+        assert!(small > 5000, "{small}");
     }
 }

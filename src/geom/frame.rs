@@ -22,7 +22,8 @@ impl Frame {
         let [x, y, z] = n.0;
         let sign = if z < 0 { -1 } else { 1 };
         // 1/(1 + |z|), between ½ and 1
-        let a = recip((ONE_Q16 + z.abs()) as u32).times(ONE_Q16, 16);
+        let r = recip((ONE_Q16 + z.abs()) as u32);
+        let a = (r.mantissa >> (r.shift - 32)) as i32;
         let (xa, ya) = (mul_q16(x, a), mul_q16(y, a));
         let b = -mul_q16(xa, y);
         Frame {

@@ -178,7 +178,7 @@ pub fn pdf_area(emitter: Emitter, from: Point, wi: Dir, distance: i32) -> Wide {
 /// A length is known to 2^-13: two directions' and one root's 2^-14 at most.
 #[inline]
 pub(crate) fn short_of(length: i32, lift: i32, cos: i32) -> i32 {
-    let slant = recip(cos as u32).times(lift, 16).min(length);
+    let slant = recip(cos as u32).times_short(lift, 16).min(length);
     length - (length >> 12) - slant
 }
 

@@ -38,6 +38,24 @@ pub const fn mul_shift(a: i32, b: i32, shift: u32) -> i32 {
     return ((a as i64 * b as i64) >> shift) as i32;
 }
 
+/// [`mul_shift`] of |a| ≤ 2^20 and `shift` in 22 ..= 53, quicker on narrow cores.
+#[inline(always)]
+pub const fn mul_shift_brief(a: i32, b: i32, shift: u32) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_shift_brief(a, b, shift);
+    #[cfg(not(narrow_mul))]
+    return mul_shift(a, b, shift);
+}
+
+/// [`mul_shift`] of |a| < 2^26, b ≥ 0 and `shift` in 27 ..= 58, quicker on narrow cores.
+#[inline(always)]
+pub const fn mul_shift_medium(a: i32, b: i32, shift: u32) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::mul_shift_medium(a, b, shift);
+    #[cfg(not(narrow_mul))]
+    return mul_shift(a, b, shift);
+}
+
 /// ⌊a·b / 2^`shift`⌋ of factors that are not negative, wrapped to 32 bits; `shift` in 1 ..= 31.
 #[inline(always)]
 pub const fn mul_shift_short(a: u32, b: u32, shift: u32) -> u32 {
@@ -166,6 +184,26 @@ pub mod narrow {
         } else {
             high >> (shift - 32)
         }
+    }
+
+    /// See [`super::mul_shift_brief`]. Three products, each rounded down once the next is added: |a| times 11 bits, and as much
+    /// again carried, stays under 2^31.
+    #[inline(always)]
+    pub const fn mul_shift_brief(a: i32, b: i32, shift: u32) -> i32 {
+        let (high, middle, low) = (b >> 22, (b >> 11) & 0x7ff, b & 0x7ff);
+        let sum = a * middle + ((a * low) >> 11);
+        (a * high + (sum >> 11)) >> (shift.wrapping_sub(22) & 31)
+    }
+
+    /// See [`super::mul_shift_medium`]. Four products: ah of 14 bits and a sign, al of 12; bh of 16, bl of 15.
+    #[inline(always)]
+    pub const fn mul_shift_medium(a: i32, b: i32, shift: u32) -> i32 {
+        let (ah, al) = (a >> 12, a & 0xfff);
+        let (bh, bl) = (b >> 15, b & 0x7fff);
+        // (ah·2^12 + al)(bh·2^15 + bl), by turns rounded down to 2^12, 2^15 and 2^27.
+        let sum = ah * bl + ((al * bl) >> 12);
+        let sum = al * bh + (sum >> 3);
+        (ah * bh + (sum >> 12)) >> (shift.wrapping_sub(27) & 31)
     }
 
     /// See [`super::mul_shift_short`].

@@ -1,4 +1,4 @@
-use super::{leading_zeros, mul_hi, mul_shift};
+use super::{leading_zeros, mul_hi, mul_shift, mul_shift_brief};
 
 /// 1/x as `mantissa · 2^(−shift)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,6 +19,17 @@ impl Recip {
     pub const fn times(self, a: i32, extra: u32) -> i32 {
         // The mantissa has 32 bits: halve it so that it fits the signed product.
         mul_shift(a, (self.mantissa >> 1) as i32, self.shift - 1 - extra)
+    }
+
+    /// [`Self::times`], the same bits, quicker on narrow cores where |a| is 2^20 at most and x is not small.
+    #[inline(always)]
+    pub const fn times_short(self, a: i32, extra: u32) -> i32 {
+        let shift = self.shift - 1 - extra;
+        if cfg!(narrow_mul) && shift >= 22 && a.unsigned_abs() <= 1 << 20 {
+            mul_shift_brief(a, (self.mantissa >> 1) as i32, shift)
+        } else {
+            self.times(a, extra)
+        }
     }
 }
 

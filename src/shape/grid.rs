@@ -1,7 +1,7 @@
 use crate::geom::{Dir, Point, Ray};
 #[cfg(not(assembly))]
 use crate::num::{leading_zeros, short_recip};
-use crate::num::{mul_q16, mul_shift, recip};
+use crate::num::{mul_q16, mul_shift, mul_shift_brief, recip};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -305,9 +305,9 @@ impl GridRay {
             let aside = [s0, s1].map(|slope| (ahead * slope) >> SLOPE_BITS);
             (aside, short_product(ahead_of(ahead, slopes), slopes.inverse))
         } else {
-            let aside = slopes.fine.map(|fine| mul_shift(ahead, fine, 30));
+            let aside = slopes.fine.map(|fine| product(ahead, fine));
             // √3 (2^30 + 2^26) < 2^31.
-            (aside, mul_shift(ahead_of(ahead, slopes), slopes.inverse, 30))
+            (aside, product(ahead_of(ahead, slopes), slopes.inverse))
         };
         let across = |from: i32, aside: i32| {
             // Both terms are under 2^30 + 2^26. A sum that wraps comes out beyond ±2^31 ∓ 2^27, which is 2^22 steps
@@ -382,6 +382,21 @@ fn ahead_of(ahead: i32, slopes: &Slopes) -> i32 {
     }
 }
 
+/// ⌊ahead · by / 2^30⌋: mostly of less than 2^20 units.
+#[inline(always)]
+fn product(ahead: i32, by: i32) -> i32 {
+    if cfg!(narrow_mul) && ahead.unsigned_abs() <= 1 << 20 {
+        mul_shift_brief(ahead, by, 30)
+    } else {
+        far_product(ahead, by)
+    }
+}
+
+#[cfg_attr(narrow_mul, cold, inline(never))]
+fn far_product(ahead: i32, by: i32) -> i32 {
+    mul_shift(ahead, by, 30)
+}
+
 /// ⌊short · by / 2^30⌋ for |short| under 2^15, in two products of 32 bits.
 #[inline]
 fn short_product(short: i32, by: i32) -> i32 {
@@ -441,6 +456,17 @@ mod tests {
             short_product(-1 << 15, i32::MAX),
             mul_shift(-1 << 15, i32::MAX, 30)
         );
+    }
+
+    #[test]
+    fn products_are_the_same_near_and_far() {
+        for ahead in [0, 1, 203_162, 1 << 20, (1 << 20) + 1, 1 << 30] {
+            for by in [1, 0x1234_5678, 1 << 30, 1_859_775_393] {
+                for (ahead, by) in [(ahead, by), (-ahead, by), (ahead, -by), (-ahead, -by)] {
+                    assert_eq!(product(ahead, by), mul_shift(ahead, by, 30), "{ahead} {by}");
+                }
+            }
+        }
     }
 
     #[test]

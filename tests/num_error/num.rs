@@ -74,6 +74,24 @@ fn products_and_their_narrow_twins_are_the_exact_floor() {
                 [(product >> shift) as i32; 2]
             );
         }
+        for a in [a >> 11, a.clamp(-1 << 20, 1 << 20)] {
+            for shift in 22..54 {
+                assert_eq!(
+                    [mul_shift_brief(a, b, shift), narrow::mul_shift_brief(a, b, shift)],
+                    [((i64::from(a) * i64::from(b)) >> shift) as i32; 2]
+                );
+            }
+        }
+        let (a, b) = (a.clamp(-0x3ff_ffff, 0x3ff_ffff), b & i32::MAX);
+        for shift in 27..59 {
+            assert_eq!(
+                [
+                    mul_shift_medium(a, b, shift),
+                    narrow::mul_shift_medium(a, b, shift)
+                ],
+                [((i64::from(a) * i64::from(b)) >> shift) as i32; 2]
+            );
+        }
     };
     for a in EDGES {
         for b in EDGES {
