@@ -146,7 +146,13 @@ impl Rectangle {
 
     /// Area, units².
     pub fn area(&self) -> Wide {
-        Wide::new(self.half[0] as u32, 1) * Wide::new(self.half[1] as u32, 1)
+        let [a, b] = self.half.map(|half| half as u32);
+        // Numbers that a `Wide` holds exactly are rounded after their product alone.
+        if (a | b) >> 16 == 0 {
+            Wide::new(a * b, 2)
+        } else {
+            Wide::new(a, 1) * Wide::new(b, 1)
+        }
     }
 }
 
@@ -209,4 +215,36 @@ fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<
 pub fn onto_plane(point: Point, normal: Dir, near: Point) -> Point {
     let height = dot(point.to(near), normal);
     near.along_side(normal, -height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_area_is_the_product_of_its_sides() {
+        let mut s = 1u32;
+        let mut half = || {
+            s = s.wrapping_mul(747796405).wrapping_add(2891336453);
+            let bits = s >> 28;
+            (((s ^ (s >> 15)) >> (16 - bits)) & 0x3f_ffff).max(1) as i32
+        };
+        for round in 0..100_000 {
+            let half = match round {
+                0 => [65535, 65535],
+                1 => [65535, 65536],
+                2 => [1, 1],
+                _ => [half(), half()],
+            };
+            let rectangle = Rectangle {
+                center: Point([0; 3]),
+                u: Dir::X,
+                v: Dir::Y,
+                normal: Dir::Z,
+                half,
+            };
+            let product = Wide::new(half[0] as u32, 1) * Wide::new(half[1] as u32, 1);
+            assert_eq!(rectangle.area(), product, "{half:?}");
+        }
+    }
 }
