@@ -308,6 +308,15 @@ fn are_one_side(a: Dir, b: Dir, dir: Dir) -> bool {
     (a.dot_q24(dir) > 0) == (b.dot_q24(dir) > 0)
 }
 
+/// What a shape's number says that is none, which no hit has: black, and facing the ray.
+static NOTHING: Shape = Shape {
+    geometry: Geometry::Mesh(u16::MAX),
+    material: u16::MAX,
+    light: None,
+    tint: Tint::None,
+    id: 0,
+};
+
 impl<'a> Scene<'a> {
     pub fn unit(&self) -> Unit {
         self.parts.unit
@@ -377,25 +386,37 @@ impl<'a> Scene<'a> {
     #[inline]
     pub fn vertex(&self, ray: &Ray, hit: &Hit) -> Vertex<'a> {
         let near = ray.at(hit.t);
-        let shape = self.parts.shapes.get(hit.shape as usize);
+        let shape = self.parts.shapes.get(hit.shape as usize).unwrap_or(&NOTHING);
+        match shape.geometry.surface(near) {
+            Some(surface) => self.vertex_of(ray, shape, surface, Told::default()),
+            None => self.vertex_of_other(ray, hit, shape, near),
+        }
+    }
+
+    /// Of what is no closed form.
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline)]
+    fn vertex_of_other(&self, ray: &Ray, hit: &Hit, shape: &Shape, near: Point) -> Vertex<'a> {
         let mut told = Told::default();
-        let surface = shape
-            .and_then(|shape| match &shape.geometry {
-                Geometry::Mesh(mesh) => self.mesh_surface(*mesh, hit, shape.tint, &mut told),
-                Geometry::Instance(instance) => self.instance_surface(instance, hit, shape.tint, &mut told),
-                Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
-                geometry => geometry.surface(near),
-            })
-            .unwrap_or(Surface {
-                point: near,
-                normal: -ray.dir,
-                lift: 0,
-            });
+        let surface = match &shape.geometry {
+            Geometry::Mesh(mesh) => self.mesh_surface(*mesh, hit, shape.tint, &mut told),
+            Geometry::Instance(instance) => self.instance_surface(instance, hit, shape.tint, &mut told),
+            Geometry::Implicit(solid) => Some(solid.surface(self.parts.blobs, near)),
+            _ => None,
+        };
+        let surface = surface.unwrap_or(Surface {
+            point: near,
+            normal: -ray.dir,
+            lift: 0,
+        });
+        self.vertex_of(ray, shape, surface, told)
+    }
+
+    #[inline(always)]
+    fn vertex_of(&self, ray: &Ray, shape: &Shape, surface: Surface, told: Told) -> Vertex<'a> {
         let wo = -ray.dir;
-        let material = shape.and_then(|shape| self.parts.materials.get(shape.material as usize));
-        let light = shape
-            .and_then(|shape| shape.light)
-            .filter(|_| wo.dot_q24_normal(surface.normal) > 0);
+        let material = self.parts.materials.get(shape.material as usize);
+        let light = shape.light.filter(|_| wo.dot_q24_normal(surface.normal) > 0);
         let emission = match light.and_then(|light| self.parts.lights.get(light as usize)) {
             Some(Light::Area { radiance, .. }) => *radiance,
             _ => Radiance::BLACK,
@@ -407,8 +428,8 @@ impl<'a> Scene<'a> {
             material: material.unwrap_or(&Material::Black),
             light,
             emission,
-            is_emitter: shape.is_some_and(|shape| shape.light.is_some()),
-            id: shape.map_or(0, |shape| shape.id),
+            is_emitter: shape.light.is_some(),
+            id: shape.id,
         }
     }
 
