@@ -33,6 +33,7 @@ pub use product::{
 };
 #[cfg(assembly)]
 pub(crate) use recip::RECIPS;
+pub(crate) use recip::recip_of_large;
 pub use recip::{Recip, ratio, recip, short_recip};
 pub use root::{isqrt, rsqrt, rsqrt_of_large, short_rsqrt};
 pub use trig::{acos, atan2, sin_cos};

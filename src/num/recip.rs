@@ -52,7 +52,15 @@ pub(crate) static RECIPS: [u16; 128] = {
 #[inline]
 pub fn recip(x: u32) -> Recip {
     let zeros = leading_zeros(x | 1).min(31);
-    let n = (x | (x == 0) as u32) << zeros;
+    Recip {
+        mantissa: recip_of_large((x | (x == 0) as u32) << zeros),
+        shift: 63 - zeros,
+    }
+}
+
+/// The mantissa of [`recip`] of 2^31 and more: 2^63/n.
+#[inline(always)]
+pub(crate) fn recip_of_large(n: u32) -> u32 {
     // r ≈ 2^47/n, 16 bits. |e| ≤ 2^31 · 2^-8, so the product stays under 2^16 · 2^14.
     let r = RECIPS[((n >> 24) & 127) as usize] as i32;
     let e = (1i32 << 31).wrapping_sub(((n >> 16).wrapping_mul(r as u32)) as i32);
@@ -63,10 +71,7 @@ pub fn recip(x: u32) -> Recip {
     let high = ((n >> 16) * r as u32 + (((n & 0xffff) * r as u32) >> 16)) >> 1;
     let e = (1i32 << 30) - high as i32;
     let big = big.wrapping_add((((r >> 1) * e) >> 14) as u32);
-    Recip {
-        mantissa: if big >= 1 << 31 { u32::MAX } else { big << 1 },
-        shift: 63 - zeros,
-    }
+    if big >= 1 << 31 { u32::MAX } else { big << 1 }
 }
 
 /// a/b in 2^-32, for `a` ≤ `b`; the largest number below 1 where they are equal, 0 for 0/0.

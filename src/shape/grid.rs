@@ -1,7 +1,7 @@
 use crate::geom::{Dir, Point, Ray};
 #[cfg(not(assembly))]
 use crate::num::{leading_zeros, short_recip};
-use crate::num::{mul_q16, mul_shift, mul_shift_brief, recip};
+use crate::num::{mul_q16, mul_shift, mul_shift_brief, recip, recip_of_large};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -184,10 +184,14 @@ impl Slopes {
         };
         let [dx, dy, dk] = rotate(axis, dir);
         let cosine = dk.unsigned_abs();
-        // 2^BITS/|d_k| = mantissa · 2^(BITS − shift), and shift is 31 + BITS below one, more from one on.
-        let r = recip(cosine);
-        let down = if r.shift < 32 + BITS { 1 } else { 2 };
-        let inverse = ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32;
+        // Of a unit vector all but an axis have 2^15 ..< 2^16 here.
+        let is_plain = BITS == 16 && cosine >> 15 == 1;
+        let inverse = if is_plain {
+            let mantissa = recip_of_large(cosine << 16);
+            ((mantissa >> 1) + (mantissa & 1)) as i32
+        } else {
+            inverse::<BITS>(cosine)
+        };
         let signed = if dk < 0 { -inverse } else { inverse };
         // The same product; what has one word less to shift is cheaper where words are narrow.
         let slope = |d: i32| match BITS {
@@ -195,8 +199,15 @@ impl Slopes {
             bits => mul_shift(signed, d, bits),
         };
         let fine = [slope(dx), slope(dy)];
-        let slopes =
-            fine.map(|s| ((s >> 16).wrapping_add(1) >> 1).clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS));
+        // A quotient of at most 1, 2^-28 off, rounds to 1 at most.
+        let slopes = fine.map(|s| {
+            let slope = (s >> 16).wrapping_add(1) >> 1;
+            if is_plain {
+                slope
+            } else {
+                slope.clamp(-(1 << SLOPE_BITS), 1 << SLOPE_BITS)
+            }
+        });
         Slopes {
             axis,
             negative: dk < 0,
@@ -206,6 +217,15 @@ impl Slopes {
             inverse,
         }
     }
+}
+
+/// 1/|d_k|, Q30.
+#[cfg_attr(narrow_mul, cold, inline(never))]
+fn inverse<const BITS: u32>(cosine: u32) -> i32 {
+    // 2^BITS/|d_k| = mantissa · 2^(BITS − shift), and shift is 31 + BITS below one, more from one on.
+    let r = recip(cosine);
+    let down = if r.shift < 32 + BITS { 1 } else { 2 };
+    ((r.mantissa >> down) + ((r.mantissa >> (down - 1)) & 1)) as i32
 }
 
 /// How far a ray gets along its dominant axis while it goes one step aside: the reciprocal of a slope.
@@ -465,6 +485,25 @@ mod tests {
                 for (ahead, by) in [(ahead, by), (-ahead, by), (ahead, -by), (-ahead, -by)] {
                     assert_eq!(product(ahead, by), mul_shift(ahead, by, 30), "{ahead} {by}");
                 }
+            }
+        }
+    }
+
+    /// Each cosine that a unit vector has, with the steepest slopes: none is out of range, though none is held within it.
+    #[test]
+    fn slopes_of_unit_vectors_need_no_bounds() {
+        for c in 1 << 15..(1 << 16) + 2 {
+            for d in [c, -c, c - 1, 1 - c] {
+                let slopes = Slopes::new(Dir([c, d, d]));
+                assert_eq!(slopes.inverse, inverse::<16>(c as u32), "{c}");
+                let exact = (f64::from(d) / f64::from(c) * 8192.0).round() as i32;
+                assert!(
+                    slopes
+                        .slopes
+                        .iter()
+                        .all(|s| (s - exact).abs() <= 1 && s.abs() <= 8192),
+                    "{c} {d} {slopes:?}"
+                );
             }
         }
     }
