@@ -188,7 +188,7 @@ impl Dir {
         dot_q24(self.0, other.0)
     }
 
-    /// [`Self::dot_q24`], the same bits, quicker on narrow cores where `normal` has components of −1, 0 or 1: most are an axis.
+    /// [`Self::dot_q24`], the same bits, quicker on narrow cores where `normal` is an axis, as most are.
     #[inline(always)]
     pub const fn dot_q24_normal(self, normal: Dir) -> i32 {
         dot_unit(self.0, normal.0)

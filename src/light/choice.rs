@@ -5,9 +5,12 @@ use crate::num::{Uniform, Wide, mul_hi, ratio};
 /// If there is nothing to choose from, index 0, and all of the number is left.
 #[inline]
 pub fn choose(u: Uniform, count: u32) -> (u32, Uniform) {
+    if count <= 1 {
+        return (0, u);
+    }
     let bits = u.to_bits();
     let index = mul_hi(bits, count);
-    (index, Uniform::from_bits(bits.wrapping_mul(count.max(1))))
+    (index, Uniform::from_bits(bits.wrapping_mul(count)))
 }
 
 /// Where one choice's numbers end and the next one's begin: in 2^-32, or in 2^-16.

@@ -28,7 +28,7 @@ pub use bits::{leading_zeros, normalize_shift, round_shift};
 pub use crc::Crc;
 pub use exp::{exp2_neg, neg_log2, pow};
 pub use product::{
-    dot_q24, dot_unit, mul_hi, mul_hi_signed, mul_q16, mul_share, mul_shift, mul_shift_brief,
+    dot_q24, dot_sparse, dot_unit, mul_hi, mul_hi_signed, mul_q16, mul_share, mul_shift, mul_shift_brief,
     mul_shift_medium, mul_shift_short, mul_unit,
 };
 #[cfg(assembly)]

@@ -94,11 +94,20 @@ pub const fn dot_q24(a: [i32; 3], b: [i32; 3]) -> i32 {
     high + (low >> 8)
 }
 
-/// [`dot_q24`], quicker on narrow cores where components of `unit` are −1, 0 or 1.
+/// [`dot_q24`], quicker on narrow cores where `unit` is an axis.
 #[inline(always)]
 pub const fn dot_unit(a: [i32; 3], unit: [i32; 3]) -> i32 {
     #[cfg(narrow_mul)]
     return narrow::dot_unit(a, unit);
+    #[cfg(not(narrow_mul))]
+    return dot_q24(a, unit);
+}
+
+/// [`dot_q24`], quicker on narrow cores where components of `unit` are 0.
+#[inline(always)]
+pub const fn dot_sparse(a: [i32; 3], unit: [i32; 3]) -> i32 {
+    #[cfg(narrow_mul)]
+    return narrow::dot_sparse(a, unit);
     #[cfg(not(narrow_mul))]
     return dot_q24(a, unit);
 }
@@ -133,21 +142,29 @@ pub mod narrow {
         }
     }
 
-    /// See [`super::dot_unit`]. The product of such a component has no bits to be cut off.
-    #[inline]
+    /// See [`super::dot_unit`]. The products of an axis have no bits to be cut off.
+    #[inline(always)]
     pub const fn dot_unit(a: [i32; 3], unit: [i32; 3]) -> i32 {
-        let (mut whole, mut high, mut low) = (0, 0, 0);
+        if (unit[0] | unit[1] | unit[2]) & 0xffff == 0 {
+            (a[0] * (unit[0] >> 16) + a[1] * (unit[1] >> 16) + a[2] * (unit[2] >> 16)) << 8
+        } else {
+            super::dot_q24(a, unit)
+        }
+    }
+
+    /// See [`super::dot_sparse`].
+    #[inline(always)]
+    pub const fn dot_sparse(a: [i32; 3], unit: [i32; 3]) -> i32 {
+        let (mut high, mut low) = (0, 0);
         let mut i = 0;
         while i < 3 {
-            if unit[i] & 0xffff == 0 {
-                whole += a[i] * (unit[i] >> 16);
-            } else {
+            if unit[i] != 0 {
                 high += (a[i] >> 8) * unit[i];
                 low += (a[i] & 255) * unit[i];
             }
             i += 1;
         }
-        (whole << 8) + high + (low >> 8)
+        high + (low >> 8)
     }
 
     /// See [`super::mul_hi`]. The middle products carry into the high word.

@@ -1,7 +1,7 @@
 //! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
 
 use crate::geom::{Dir, FAR, Offset, Point, Ray};
-use crate::num::{Wide, leading_zeros, mul_q16, mul_shift_short, mul_unit, recip, round_shift};
+use crate::num::{Wide, dot_sparse, leading_zeros, mul_q16, mul_shift_short, mul_unit, recip, round_shift};
 
 /// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
 ///
@@ -162,7 +162,7 @@ impl Rectangle {
 #[inline(always)]
 fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
     let height = dot(point.to(ray.origin), normal);
-    let slope = ray.dir.dot_q24_normal(normal);
+    let slope = dot_sparse(ray.dir.0, normal.0);
     meet(height, slope, t_max)
 }
 

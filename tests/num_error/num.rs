@@ -119,8 +119,14 @@ fn both_forms_of_a_cosine_are_the_exact_floor() {
         let sum: i64 = (0..3).map(|i| i64::from(a[i]) * i64::from(b[i])).sum();
         let exact = (sum >> 8) as i32;
         assert_eq!(
-            [dot_q24(a, b), dot_unit(a, b), narrow::dot_unit(a, b)],
-            [exact; 3]
+            [
+                dot_q24(a, b),
+                dot_unit(a, b),
+                dot_sparse(a, b),
+                narrow::dot_unit(a, b),
+                narrow::dot_sparse(a, b)
+            ],
+            [exact; 5]
         );
     }
 }
