@@ -145,15 +145,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
 
     /// The pixels of `area`, row by row, for a denoiser; answers with how many `strip` held.
     pub fn feature_tile(&mut self, area: Rectangle, strip: &mut [Feature]) -> usize {
-        let (left, top) = (area.top_left.x as u16, area.top_left.y as u16);
-        let (width, height) = (area.size.width as u16, area.size.height as u16);
-        let mut done = 0;
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y)));
-        for (pixel, (x, y)) in strip.iter_mut().zip(places) {
-            *pixel = self.feature(x, y);
-            done += 1;
-        }
-        done
+        fill(area, strip, |x, y| self.feature(x, y))
     }
 
     /// Rays asked of the scene so far, wrapping: nearest hits and shadow rays.
@@ -199,14 +191,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
 
     /// Renders one tile, whichever.
     pub fn tile<'t>(&mut self, area: Rectangle, strip: &'t mut [Radiance]) -> Tile<'t> {
-        let (left, top) = (area.top_left.x as u16, area.top_left.y as u16);
-        let (width, height) = (area.size.width as u16, area.size.height as u16);
-        let mut done = 0;
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (left + x, top + y)));
-        for (pixel, (x, y)) in strip.iter_mut().zip(places) {
-            *pixel = self.pixel(x, y);
-            done += 1;
-        }
+        let done = fill(area, strip, |x, y| self.pixel(x, y));
         Tile {
             area,
             pixels: strip.get(..done).unwrap_or(&[]),
@@ -221,6 +206,24 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
     pub fn settings(&self) -> Settings {
         self.settings
     }
+}
+
+/// Row by row what there is at each place of `area`, as far as the strip goes; answers with how many it holds.
+#[inline(always)]
+fn fill<T>(area: Rectangle, strip: &mut [T], mut at: impl FnMut(u16, u16) -> T) -> usize {
+    let (left, top) = (area.top_left.x as u16, area.top_left.y as u16);
+    let (width, height) = (area.size.width as u16, area.size.height as u16);
+    let mut done = 0;
+    if width == 0 {
+        return done;
+    }
+    for (row, y) in strip.chunks_mut(width as usize).zip(top..top + height) {
+        for (place, x) in row.iter_mut().zip(left..left + width) {
+            *place = at(x, y);
+        }
+        done += row.len();
+    }
+    done
 }
 
 fn sample(radiance: Radiance, first: &First) -> feature::Sample {

@@ -121,7 +121,12 @@ impl Path {
             let (light, roulette) = scene.choose_light(choice);
             if vertex.material.is_smooth() {
                 let direct = self.sample_light(scene, &vertex, light, place, rays);
-                sum = sum.add(throughput.mul(direct));
+                // To the camera's own vertex nothing led that takes light away.
+                sum = sum.add(if depth == 1 {
+                    direct
+                } else {
+                    throughput.mul(direct)
+                });
             }
 
             // Go on in a direction drawn from the BSDF.
