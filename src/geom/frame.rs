@@ -17,7 +17,8 @@ impl Frame {
     ///
     /// Axes are at right angles to 1.12e-4 (the cosine; RMS 1.4e-5), tangents 1 long to 4e-5, RMS 8.6e-6
     /// (`tests/num_error`); for the most part that is the error of the normal's own length.
-    #[inline]
+    #[cfg_attr(narrow_mul, inline(never))]
+    #[cfg_attr(not(narrow_mul), inline)]
     pub fn about(n: Dir) -> Frame {
         let [x, y, z] = n.0;
         let sign = if z < 0 { -1 } else { 1 };

@@ -42,7 +42,7 @@ impl Scene<'_> {
         for index in self.bounded()..self.parts.shapes.len() {
             nearest.test(index);
         }
-        if let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) {
+        if let Some(grid_ray) = GridRay::enter_here(&self.parts.grid, ray, &slopes) {
             nearest.limit = depth_limit(&grid_ray, nearest.t_max + 1);
             traverse(self.parts.nodes, &grid_ray, &mut nearest);
         }
@@ -79,7 +79,7 @@ impl Scene<'_> {
             return true;
         }
         let slopes = Slopes::new(ray.dir);
-        let Some(grid_ray) = GridRay::enter(&self.parts.grid, ray, &slopes) else {
+        let Some(grid_ray) = GridRay::enter_here(&self.parts.grid, ray, &slopes) else {
             return false;
         };
         let limit = depth_limit(&grid_ray, distance);

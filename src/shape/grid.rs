@@ -306,6 +306,12 @@ impl GridRay {
     /// 65536 steps beside it: along the cube it moves across by 65535 steps at most. Origins within ±2^30 units.
     #[inline]
     pub fn enter(grid: &Grid, ray: &Ray, slopes: &Slopes) -> Option<GridRay> {
+        GridRay::enter_here(grid, ray, slopes)
+    }
+
+    /// [`Self::enter`], always where it is called: what it answers is not copied.
+    #[inline(always)]
+    pub(crate) fn enter_here(grid: &Grid, ray: &Ray, slopes: &Slopes) -> Option<GridRay> {
         let shift = grid.shift;
         let half = (1 << shift) >> 1;
         // |from| ≤ 2^30 + 2^25.
