@@ -177,7 +177,7 @@ fn meet(height: i32, slope: i32, t_max: i32) -> Option<i32> {
 }
 
 /// height / slope, as [`crossing`] wants it; the slope is not 0.
-#[inline(never)]
+#[inline(always)]
 fn quotient(height: u32, slope: u32, t_max: i32) -> Option<i32> {
     if height >> 5 >= slope {
         return (height > 0).then_some(FAR);
@@ -189,10 +189,16 @@ fn quotient(height: u32, slope: u32, t_max: i32) -> Option<i32> {
     if height >> 1 > reach + (reach >> 20) + 1 {
         return None;
     }
-    // `times`, of numbers that are not negative and a slope under 2^25, the shift of whose reciprocal is 56 at most.
-    let r = recip(slope);
-    let t = mul_shift_short(height, r.mantissa >> 1, r.shift - 25) as i32;
+    let t = divide(height, slope);
     (t > 0).then_some(t)
+}
+
+/// height / slope, Q24: `times`, of numbers that are not negative and a slope under 2^25, the shift of whose reciprocal is
+/// 56 at most.
+#[inline(never)]
+fn divide(height: u32, slope: u32) -> i32 {
+    let r = recip(slope);
+    mul_shift_short(height, r.mantissa >> 1, r.shift - 25) as i32
 }
 
 /// [`crate::geom::Offset::dot`], the same bits with fewer products where the direction is an axis or at right angles to one.
