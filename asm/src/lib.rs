@@ -4,7 +4,7 @@
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`] is
 //! the network's.
 //!
-//! Only ARM has the assembly; elsewhere [`sums`] is [`plain`], and the rest is not there.
+//! Only ARM and RV32 have the assembly, RV32 without sums; elsewhere [`sums`] is [`plain`], and the rest is not there.
 
 #![no_std]
 
@@ -41,6 +41,14 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
 mod armv6m;
 #[cfg(target_arch = "arm")]
 pub use armv6m::{
+    facets::{Corner, Facets, Met},
+    walk::{DEPTH_BITS, Leaves, Order, Ray, STACK, Walk},
+};
+
+#[cfg(target_arch = "riscv32")]
+mod rv32;
+#[cfg(target_arch = "riscv32")]
+pub use rv32::{
     facets::{Corner, Facets, Met},
     walk::{DEPTH_BITS, Leaves, Order, Ray, STACK, Walk},
 };

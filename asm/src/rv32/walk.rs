@@ -1,0 +1,625 @@
+use core::arch::naked_asm;
+use core::marker::PhantomData;
+use core::mem::{MaybeUninit, offset_of};
+use core::ptr;
+
+use super::facets::{self, Facets};
+
+/// A ray as a tree's grid sees it.
+#[derive(Clone, Copy)]
+pub struct Ray {
+    /// Where it starts along its dominant axis, 0 ..= 65535.
+    pub plane: i32,
+    /// Steps across for one along the axis, Q13, within ±2^13.
+    pub slopes: [i32; 2],
+    /// What a place across, Q13, less its slope's share, lacks to lie on the ray.
+    pub offsets: [i32; 2],
+    /// Whether it goes down the axis.
+    pub negative: bool,
+    /// The dominant axis, 0 to 2; the slopes are of the two that follow.
+    pub axis: u8,
+}
+
+/// Which of a node's children comes first: a place in the table of [`step`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Order {
+    Any = 48,
+    /// By where its box begins along the dominant axis.
+    Face = 52,
+    /// By where the ray enters its box.
+    Entry = 60,
+}
+
+/// Bytes of a node.
+const NODE: usize = 40;
+/// Nodes that may wait: what is more is passed by.
+pub const STACK: usize = 40;
+/// Fraction bits of a triangle's depth.
+pub const DEPTH_BITS: u32 = 4;
+
+/// Leaves of a node that the ray may meet.
+#[derive(Clone, Copy)]
+pub struct Leaves {
+    base: u32,
+    metas: u32,
+}
+
+/// Beside a node's first primitive: no node comes after it.
+const LAST_BIT: u32 = 31;
+
+impl Leaves {
+    /// Of the node's leaves, the first primitive.
+    #[inline(always)]
+    pub fn base(self) -> u32 {
+        self.base & 0xff_ffff
+    }
+
+    /// A byte for each, as the node has it.
+    #[inline(always)]
+    pub fn metas(self) -> u32 {
+        self.metas
+    }
+
+    /// Whether no node comes after theirs.
+    #[inline(always)]
+    pub fn is_last(self) -> bool {
+        self.base >> LAST_BIT != 0
+    }
+}
+
+/// Where a ray is in a tree.
+#[repr(C)]
+pub struct Walk<'a> {
+    nodes: *const u8,
+    /// The last node's index · 2^16.
+    last: u32,
+    slopes: [i32; 2],
+    offsets: [i32; 2],
+    /// Where the ray may be met, along the axis; from the limit.
+    range: MaybeUninit<[i32; 2]>,
+    /// Where a node is looked at, of the dominant axis and the slopes' signs; and where several of its children are.
+    node: MaybeUninit<u32>,
+    several: MaybeUninit<u32>,
+    across: MaybeUninit<[Across; 2]>,
+    /// Of the planes along the dominant axis that the ray comes to first, bytes from a node's first.
+    face: MaybeUninit<u32>,
+    plane: i32,
+    /// All ones for a ray that goes down the axis.
+    flip: i32,
+    /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
+    next: u32,
+    /// What looks at leaves, if not the caller.
+    facets: *mut Facets<'static>,
+    /// Bytes of those that wait; before them stands what is beyond every limit.
+    waiting: u32,
+    stack: MaybeUninit<[u32; STACK + 1]>,
+    tree: PhantomData<&'a [u8]>,
+}
+
+/// Of an axis across.
+#[repr(C)]
+struct Across {
+    /// The slope's sign, and that · 2^13.
+    sign: i32,
+    step: i32,
+    /// Of the planes that the ray comes to first, bytes from a node's first.
+    face: u32,
+    /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
+    beyond: u32,
+    /// 2^23 over the slope's size.
+    recip: u32,
+}
+
+impl<'a> Walk<'a> {
+    /// At the root. `None` if `nodes`, 2-aligned, has less than `count` nodes of 40 bytes. `recips` are first guesses 2^47/n
+    /// by n's seven bits below the top one.
+    #[inline(always)]
+    pub fn begin<'w>(
+        place: &'w mut MaybeUninit<Walk<'a>>,
+        nodes: &'a [u8],
+        count: usize,
+        ray: &Ray,
+        order: Order,
+        recips: &[u16; 128],
+    ) -> Option<&'w mut Walk<'a>> {
+        if count.wrapping_sub(1) >= 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0
+        {
+            return None;
+        }
+        let walk = place.as_mut_ptr();
+        // SAFETY: what is not written here, `begin` writes, or may stay as it is.
+        unsafe {
+            (*walk).nodes = nodes.as_ptr();
+            (*walk).last = (count as u32 - 1) << 16;
+            (*walk).offsets = ray.offsets;
+            (*walk).slopes = ray.slopes;
+            (*walk).plane = ray.plane;
+            (*walk).flip = -i32::from(ray.negative);
+            (*walk).next = 0;
+            (*walk).waiting = 0;
+            begin(walk.cast(), u32::from(ray.axis.min(2)), order as u32, recips);
+            Some(place.assume_init_mut())
+        }
+    }
+
+    /// On to the next node of which the ray may meet leaves before the limit.
+    #[inline(always)]
+    pub fn leaves(&mut self, limit: i32) -> Option<Leaves> {
+        if limit < 0 {
+            return None;
+        }
+        // SAFETY: `nodes` points to as many nodes as `last` says, which outlive the walk, and the stack is as full as
+        // `waiting` says.
+        let found = unsafe { step(self, limit, ptr::null_mut()) };
+        let (base, metas) = (found as u32, (found >> 32) as u32);
+        (base != u32::MAX).then_some(Leaves { base, metas })
+    }
+}
+
+impl Walk<'_> {
+    /// Looks at the triangles of all leaves that the ray may meet before what it has met, in a mesh.
+    #[inline(always)]
+    pub fn look(&mut self, facets: &mut Facets) {
+        let limit = facets.depth() >> DEPTH_BITS;
+        if limit >= 0 && facets.has_mesh() {
+            // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
+            unsafe { step(self, limit, ptr::from_mut(facets).cast()) };
+        }
+    }
+}
+
+/// Whether the ray meets child `$at` of the node in s0: if so, its bit in s1. Bytes from the node's first: of the child's planes
+/// along the axis, low and high, and of those across.
+///
+/// Of the planes along the axis, in t0 and t1, the slope's sign says which is asked first.
+#[rustfmt::skip]
+macro_rules! child {
+    ($at:literal, $bit:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal) => {
+        concat!(
+            "lbu t0, ", $k, "+", $at, "(s0); lbu t1, ", $k, "+4+", $at, "(s0);",
+            "lbu a5, ", $a, "+", $at, "(s0); mul t2, s2, ", $most1, "; slli a5, a5, 13; sub a5, a5, t2; blt a1, a5, 3f;",
+            "lbu a5, ", $a, "+4+", $at, "(s0); mul t2, s2, ", $least1, "; slli a5, a5, 13; sub a5, a5, t2; blt a5, a1, 3f;",
+            "lbu a5, ", $b, "+", $at, "(s0); mul t2, s3, ", $most2, "; slli a5, a5, 13; sub a5, a5, t2; blt a2, a5, 3f;",
+            "lbu a5, ", $b, "+4+", $at, "(s0); mul t2, s3, ", $least2, "; slli a5, a5, 13; sub a5, a5, t2; blt a5, a2, 3f;",
+            "blt t1, a3, 3f; blt a4, t0, 3f;",
+            "addi s1, s1, ", $bit, "; 3:",
+        )
+    };
+}
+
+/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to 30, with its children in s1.
+///
+/// Then s0 is the node, t4 its origin along the axis, ra its exponent, a1 and a2 are the bounds across.
+#[rustfmt::skip]
+macro_rules! node {
+    ($node:literal, $axis:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal) => {
+        concat!(
+            "3: addi t0, t3, 1; bnez t0, 2f; j 25b;",
+            $node, ": bgeu t6, t3, 1f;",
+            "2: lw t3, 0(s6); addi s6, s6, -4; bltu t6, t3, 3b;",
+            "1: slli t3, t3, 16;",
+            "4: bltu s11, t3, 2b;",
+            "microlux_walk_", $axis, $node, "_node:",
+            "lui t0, {stride}; mulhu s0, t3, t0; add s0, s0, s10;",
+            "lhu t4, 28+", $k, "/4(s0); lhu a5, 28+", $a, "/4(s0); lbu ra, 34(s0);",
+            "mul a1, s2, t4; slli a5, a5, 13; sub a1, a1, s4; sub a1, a1, a5; lhu a5, 28+", $b, "/4(s0); sra a1, a1, ra;",
+            "mul a2, s3, t4; slli a5, a5, 13; sub a2, a2, s5; sub a2, a2, a5; sra a2, a2, ra;",
+            "sub a3, a6, t4; sub a4, a7, t4; sra a3, a3, ra; sra a4, a4, ra; li s1, 0;",
+            child!("0", "1", $k, $a, $b, $most1, $least1, $most2, $least2),
+            child!("1", "2", $k, $a, $b, $most1, $least1, $most2, $least2),
+            child!("2", "4", $k, $a, $b, $most1, $least1, $most2, $least2),
+            child!("3", "8", $k, $a, $b, $most1, $least1, $most2, $least2),
+            "beqz s1, 2b; addi t0, s1, -1; and t0, t0, s1; bnez t0, 5f;",
+            // Straight on to a single one.
+            "srli t0, s1, 1; srli t1, s1, 3; sub t0, t0, t1; add t0, t0, s0; lb t0, 24(t0); lhu t3, 36(s0); bgez t0, 6f;",
+            "andi t0, t0, 3; add t3, t3, t0; slli t3, t3, 16; j 4b;",
+            "5: j 30f; 6: li t3, -1; j 40f;",
+        )
+    };
+}
+
+#[rustfmt::skip]
+macro_rules! nodes {
+    ($first:literal, $second:literal, $third:literal, $fourth:literal, $axis:literal, $k:literal, $a:literal, $b:literal) => {
+        concat!(
+            node!($first, $axis, $k, $a, $b, "t1", "t0", "t1", "t0"),
+            node!($second, $axis, $k, $a, $b, "t1", "t0", "t0", "t1"),
+            node!($third, $axis, $k, $a, $b, "t0", "t1", "t1", "t0"),
+            node!($fourth, $axis, $k, $a, $b, "t0", "t1", "t0", "t1"),
+        )
+    };
+}
+
+/// What tells where the ray comes to an axis' planes: of its slope in `$slope`, whose planes begin at `$planes`; into `$at` of a0.
+#[rustfmt::skip]
+macro_rules! across {
+    ($slope:literal, $planes:literal, $at:literal) => {
+        concat!(
+            "srai t0, ", $slope, ", 31; xor t1, ", $slope, ", t0; sub t1, t1, t0;",
+            "xor t2, t0, a6; andi t2, t2, 4; add t2, t2, ", $planes, "; sw t2, ", $at, "+8(a0);",
+            "ori t2, t0, 1; sw t2, ", $at, "(a0); slli t2, t2, 13; sw t2, ", $at, "+4(a0);",
+            "srli t2, t1, 8; beqz t2, 4f; slli t2, t1, 8; li t0, 8;",
+            // Up to bit 15.
+            "srli t3, t1, 12; bnez t3, 3f; slli t1, t1, 4; addi t0, t0, -4; 3:",
+            "srli t3, t1, 14; bnez t3, 3f; slli t1, t1, 2; addi t0, t0, -2; 3:",
+            "srli t3, t1, 15; bnez t3, 3f; slli t1, t1, 1; addi t0, t0, -1; 3:",
+            // A guess and a Newton step.
+            "srli t3, t1, 7; andi t3, t3, 0xfe; add t3, t3, a3; lhu t3, 0(t3); lui t4, 0x80000;",
+            "mul t1, t1, t3; sub t1, t4, t1; srai t1, t1, 9; mul t1, t1, t3; srai t1, t1, 22;",
+            "add t1, t1, t3; srl t1, t1, t0; sw t1, ", $at, "+16(a0);",
+            "4: sw t2, ", $at, "+12(a0);",
+        )
+    };
+}
+
+/// a0: walk. a1: axis. a2: order. a3: first guesses of reciprocals. What the walk has of these and of its ray.
+///
+/// # Safety
+///
+/// The axis is 0 to 2; of the walk there are slopes and flip.
+#[unsafe(naked)]
+unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, recips: &[u16; 128]) {
+    naked_asm!(
+        extensions!(),
+        "lw a4, {slopes}(a0)",
+        "lw a5, {slopes} + 4(a0)",
+        "lw a6, {flip}(a0)",
+        // Of three axes' planes, those of the next and the one after that.
+        "slli t5, a1, 3",
+        "addi t5, t5, 8",
+        "li t0, 24",
+        "bne t5, t0, 1f",
+        "li t5, 0",
+        "1:",
+        "addi t6, t5, 8",
+        "bne t6, t0, 1f",
+        "li t6, 0",
+        "1:",
+        "srli t0, a4, 31",
+        "srli t1, a5, 31",
+        "slli t0, t0, 3",
+        "slli t1, t1, 2",
+        "slli t2, a1, 4",
+        "add t0, t0, t1",
+        "add t0, t0, t2",
+        "lla t4, microlux_walk_places",
+        "add t0, t0, t4",
+        "lw t0, 0(t0)",
+        "andi t1, a6, 4",
+        "sw t0, {node}(a0)",
+        "slli t2, a1, 3",
+        "add t2, t2, t1",
+        "sw t2, {face}(a0)",
+        "li t3, {any}",
+        "beq a2, t3, 1f",
+        "add a2, a2, t1",
+        "1:",
+        "add t4, t4, a2",
+        "lw t4, 0(t4)",
+        "li t3, {entry}",
+        "sw t4, {several}(a0)",
+        "bltu a2, t3, 9f",
+        across!("a4", "t5", "{across}"),
+        across!("a5", "t6", "{across}+20"),
+        "9:",
+        "ret",
+        ".option pop",
+        slopes = const offset_of!(Walk, slopes),
+        flip = const offset_of!(Walk, flip),
+        node = const offset_of!(Walk, node),
+        several = const offset_of!(Walk, several),
+        across = const offset_of!(Walk, across),
+        face = const offset_of!(Walk, face),
+        any = const Order::Any as u32,
+        entry = const Order::Entry as u32,
+    )
+}
+
+/// If child `$at`, which is at hand, is a node, its place among those of several, by where the ray enters.
+#[rustfmt::skip]
+macro_rules! entry {
+    ($at:literal, $bit:literal, $before:literal, $min:literal, $along:literal) => {
+        concat!(
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lbu t2, ", $at, "(a4); lw a5, {step1}(a0); lbu t1, ", $at, "(a3);",
+            "mul t2, t2, a5; sub t2, t2, a1; addi t1, t1, ", $before, "; bgeu t2, s8, 1f;",
+            "srli t2, t2, 5; mul t2, t2, s7; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
+            "lbu t2, ", $at, "(a6); lw a5, {step2}(a0); andi t0, t0, 3;",
+            "mul t2, t2, a5; sub t2, t2, a2; bgeu t2, a7, 1f;",
+            "srli t2, t2, 5; mul t2, t2, s9; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
+            "lhu a5, 36(s0); sll t1, t1, ra; ", $along, "; add t0, t0, a5;",
+            place!(),
+        )
+    };
+}
+
+/// By where its box begins.
+#[rustfmt::skip]
+macro_rules! face {
+    ($at:literal, $bit:literal, $along:literal) => {
+        concat!(
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lbu t1, ", $at, "(a3); lhu a5, 36(s0); andi t0, t0, 3; sll t1, t1, ra; ", $along, "; add t0, t0, a5;",
+            place!(),
+        )
+    };
+}
+
+/// The node t0, at depth t1, or at 0 if that is negative: the nearer of it and t3 into t3, the farther to those that wait, if there are two.
+#[rustfmt::skip]
+macro_rules! place {
+    () => {
+        concat!(
+            "srai t2, t1, 31; not t2, t2; and t1, t1, t2; slli t1, t1, 16; add t1, t1, t0;",
+            "bgeu t1, t3, 1f; mv t2, t3; mv t3, t1; mv t1, t2; 1:",
+            "addi t2, t1, 1; beqz t2, 9f; addi t2, a0, {stack}+4*{most}; bgeu s6, t2, 9f; addi s6, s6, 4; sw t1, 0(s6); 9:",
+        )
+    };
+}
+
+#[rustfmt::skip]
+macro_rules! each {
+    ($what:ident $(, $argument:literal)*) => {
+        concat!(
+            $what!("0", "1" $(, $argument)*), $what!("1", "2" $(, $argument)*),
+            $what!("2", "4" $(, $argument)*), $what!("3", "8" $(, $argument)*),
+        )
+    };
+}
+
+/// Any first.
+#[rustfmt::skip]
+macro_rules! any {
+    ($at:literal, $bit:literal) => {
+        concat!(
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lhu a5, 36(s0); andi t0, t0, 3; li t1, 0; add t0, t0, a5;",
+            place!(),
+        )
+    };
+}
+
+/// Faces and bounds of a node's several children, by what the walk has, and what an axis' depth of a plane lacks.
+#[rustfmt::skip]
+macro_rules! begin_entry {
+    () => {
+        concat!(
+            "lw a3, {face}(a0); lw a4, {face1}(a0); lw a6, {face2}(a0); lw a7, {beyond2}(a0);",
+            "lw t0, {sign1}(a0); lw t1, {sign2}(a0); lw t2, {plane}(a0);",
+            "add a3, a3, s0; add a4, a4, s0; add a6, a6, s0; mul a1, a1, t0; mul a2, a2, t1; li t3, -1;",
+        )
+    };
+}
+
+/// Before what is in a1, a leaf at `$at` of the node in s0, if s1 says so.
+#[rustfmt::skip]
+macro_rules! meta {
+    ($at:literal, $bit:literal) => {
+        concat!("lbu t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 3f; slli a1, a1, 8; or a1, a1, t0; 3:")
+    };
+}
+
+/// The limit t0, along the axis: range in a6, a7; in t6 the largest that may come next.
+#[rustfmt::skip]
+macro_rules! limits {
+    () => {
+        concat!(
+            "lw t1, {plane}(a0); lw t2, {flip}(a0); lui t3, 16; addi t3, t3, -1;",
+            "neg a6, t0; and a6, a6, t2; add a6, a6, t1; add a7, a6, t0; sw a6, {range}(a0); sw a7, {range}+4(a0);",
+            // What is beyond every limit is beyond this one, too.
+            "sltu t1, t0, t3; slli t6, t0, 16; addi t3, t3, -1; add t6, t6, t3; add t6, t6, t1;",
+        )
+    };
+}
+
+/// What of the walk leaves take for themselves.
+#[rustfmt::skip]
+macro_rules! registers {
+    () => {
+        concat!(
+            "lw s10, {nodes}(a0); lw s11, {last}(a0); lw t5, {node}(a0);",
+            "lw s7, {recip1}(a0); lw s8, {beyond1}(a0); lw s9, {recip2}(a0);",
+        )
+    };
+}
+
+/// a0: walk. a1: limit. a2: null, or what looks at leaves. A node's first primitive, and then its leaves; all ones for none.
+///
+/// a0: walk. s2 to s5: slopes, offsets. s6: the last that waits. s10, s11: nodes, and the last one's index · 2^16. a6, a7:
+/// range along the axis. t6: the largest that may come next. t5: where nodes are looked at. s7, s8, s9: reciprocal and bound
+/// of the first axis across, reciprocal of the second.
+///
+/// # Safety
+///
+/// The walk is as [`Walk::begin`] made it, or as this has left it.
+#[unsafe(naked)]
+unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
+    naked_asm!(
+        extensions!(),
+        "addi sp, sp, -64",
+        "sw ra, 0(sp); sw s0, 4(sp); sw s1, 8(sp); sw s2, 12(sp); sw s3, 16(sp); sw s4, 20(sp); sw s5, 24(sp)",
+        "sw s6, 28(sp); sw s7, 32(sp); sw s8, 36(sp); sw s9, 40(sp); sw s10, 44(sp); sw s11, 48(sp)",
+        "sw a2, {facets}(a0)",
+        "mv t0, a1",
+        limits!(),
+        registers!(),
+        "lw s2, {slopes}(a0)",
+        "lw s3, {slopes} + 4(a0)",
+        "lw s4, {offsets}(a0)",
+        "lw s5, {offsets} + 4(a0)",
+        "lw s6, {waiting}(a0)",
+        "addi t0, a0, {stack}",
+        "li t1, -1",
+        "sw t1, 0(t0)",
+        "lw t3, {next}(a0)",
+        "add s6, s6, t0",
+        "jr t5",
+        ".pushsection .rodata.microlux_walk_places, \"a\"",
+        ".balign 4",
+        ".globl microlux_walk_places",
+        "microlux_walk_places:",
+        ".word 60f, 61f, 62f, 63f, 64f, 65f, 66f, 67f, 68f, 69f, 70f, 71f",
+        ".word 80f, 81f, 82f, 83f, 84f",
+        ".popsection",
+        // Nothing waits.
+        "25:",
+        "li a1, -1",
+        "sw zero, {waiting}(a0)",
+        "sw a1, {next}(a0)",
+        "mv a0, a1",
+        "26:",
+        "lw ra, 0(sp); lw s0, 4(sp); lw s1, 8(sp); lw s2, 12(sp); lw s3, 16(sp); lw s4, 20(sp); lw s5, 24(sp)",
+        "lw s6, 28(sp); lw s7, 32(sp); lw s8, 36(sp); lw s9, 40(sp); lw s10, 44(sp); lw s11, 48(sp)",
+        "addi sp, sp, 64",
+        "ret",
+        nodes!("60", "61", "62", "63", "x", "0", "8", "16"),
+        nodes!("64", "65", "66", "67", "y", "8", "16", "0"),
+        nodes!("68", "69", "70", "71", "z", "16", "0", "8"),
+        // Several children in s1.
+        "30:",
+        "lw t0, {several}(a0)",
+        "li t3, -1",
+        "jr t0",
+        "80:",
+        each!(any),
+        "j 32f",
+        "81:",
+        "lw a3, {face}(a0)",
+        "lw t2, {plane}(a0)",
+        "add a3, a3, s0",
+        "sub t4, t4, t2",
+        each!(face, "add t1, t1, t4"),
+        "j 32f",
+        "82:",
+        "lw a3, {face}(a0)",
+        "lw t2, {plane}(a0)",
+        "add a3, a3, s0",
+        "sub t4, t2, t4",
+        each!(face, "sub t1, t4, t1"),
+        "j 32f",
+        // Of three planes the last that the ray comes to.
+        "83:",
+        begin_entry!(),
+        "li t0, 1",
+        "sub t4, t4, t2",
+        "sll t0, t0, ra",
+        "sub t4, t4, t0",
+        each!(entry, "1", "bge", "add t1, t1, t4"),
+        "j 31f",
+        "84:",
+        begin_entry!(),
+        "li t0, 3",
+        "sub t4, t2, t4",
+        "sll t0, t0, ra",
+        "sub t4, t4, t0",
+        each!(entry, "-3", "ble", "sub t1, t4, t1"),
+        "31:",
+        "lw a6, {range}(a0)",
+        "lw a7, {range} + 4(a0)",
+        "32:",
+        "bnez s1, 40f",
+        "jr t5",
+        // Leaves in s1, the node that comes next in t3; the first primitive to t4.
+        "40:",
+        "lw t0, {facets}(a0)",
+        "lhu t4, 38(s0)",
+        "lbu t1, 35(s0)",
+        "sw t3, {next}(a0)",
+        "slli t1, t1, 16",
+        "or t4, t4, t1",
+        "bnez t0, 43f",
+        "addi t1, a0, {stack}",
+        "sub t1, s6, t1",
+        "sw t1, {waiting}(a0)",
+        "addi t3, t3, 1",
+        "or t3, t3, t1",
+        "li a1, 0",
+        "mv a0, t4",
+        "bnez t3, 41f",
+        "lui t0, 0x80000",
+        "or a0, a0, t0",
+        "41:",
+        meta!("3", "8"),
+        meta!("2", "4"),
+        meta!("1", "2"),
+        meta!("0", "1"),
+        "j 26b",
+        // Each leaf's triangles.
+        "43:",
+        "sw a0, 52(sp)",
+        "sw s6, 56(sp)",
+        "mv a7, t0",
+        "sw t4, 60(sp)",
+        "lw s6, {vertex_count}(a7)",
+        "lw a0, {vertices}(a7)",
+        "44:",
+        "andi t0, s1, 1",
+        "srli s1, s1, 1",
+        "beqz t0, 46f",
+        "lbu t1, 24(s0)",
+        "lw t4, 60(sp)",
+        "lw t2, {triangle_count}(a7)",
+        "andi t0, t1, 15",
+        "srli t1, t1, 4",
+        "add t0, t0, t4",
+        "add t1, t1, t0",
+        "bleu t1, t2, 45f",
+        "mv t1, t2",
+        "45:",
+        "bleu t1, t0, 46f",
+        "lw t2, {triangles}(a7)",
+        "li t4, 6",
+        "mul s10, t0, t4",
+        "mul s11, t1, t4",
+        "add s10, s10, t2",
+        "add s11, s11, t2",
+        "jal {front}",
+        "46:",
+        "addi s0, s0, 1",
+        "bnez s1, 44b",
+        // What has been met is the limit.
+        "lw a0, 52(sp)",
+        "lw t0, {met}(a7)",
+        "lw s6, 56(sp)",
+        "srai t0, t0, {bits}",
+        limits!(),
+        "lw t3, {next}(a0)",
+        registers!(),
+        "jr t5",
+        ".option pop",
+        front = sym facets::front,
+        met = const Facets::DEPTH,
+        bits = const DEPTH_BITS,
+        vertices = const Facets::VERTICES,
+        vertex_count = const Facets::VERTEX_COUNT,
+        triangles = const Facets::TRIANGLES,
+        triangle_count = const Facets::TRIANGLE_COUNT,
+        nodes = const offset_of!(Walk, nodes),
+        last = const offset_of!(Walk, last),
+        node = const offset_of!(Walk, node),
+        several = const offset_of!(Walk, several),
+        slopes = const offset_of!(Walk, slopes),
+        offsets = const offset_of!(Walk, offsets),
+        range = const offset_of!(Walk, range),
+        plane = const offset_of!(Walk, plane),
+        flip = const offset_of!(Walk, flip),
+        next = const offset_of!(Walk, next),
+        facets = const offset_of!(Walk, facets),
+        face = const offset_of!(Walk, face),
+        sign1 = const offset_of!(Walk, across) + offset_of!(Across, sign),
+        step1 = const offset_of!(Walk, across) + offset_of!(Across, step),
+        face1 = const offset_of!(Walk, across) + offset_of!(Across, face),
+        beyond1 = const offset_of!(Walk, across) + offset_of!(Across, beyond),
+        recip1 = const offset_of!(Walk, across) + offset_of!(Across, recip),
+        sign2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, sign),
+        step2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, step),
+        face2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, face),
+        beyond2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, beyond),
+        recip2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, recip),
+        waiting = const offset_of!(Walk, waiting),
+        stack = const offset_of!(Walk, stack),
+        stride = const NODE << 4,
+        most = const STACK,
+    )
+}
