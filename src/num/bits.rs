@@ -3,14 +3,14 @@
 /// One function, so that a core without CLZ can have its own form of the same answer.
 #[inline]
 pub const fn leading_zeros(x: u32) -> u32 {
-    #[cfg(narrow_mul)]
-    return narrow_leading_zeros(x);
-    #[cfg(not(narrow_mul))]
+    #[cfg(counted_zeros)]
     return x.leading_zeros();
+    #[cfg(not(counted_zeros))]
+    return narrow_leading_zeros(x);
 }
 
 /// Zeros above the highest bit of a byte.
-#[cfg(any(narrow_mul, test))]
+#[cfg(any(not(counted_zeros), test))]
 static BYTE_ZEROS: [u8; 256] = {
     let mut table = [0; 256];
     let mut i = 0;
@@ -22,7 +22,7 @@ static BYTE_ZEROS: [u8; 256] = {
 };
 
 /// [`leading_zeros`] where there is no instruction for it: the highest byte that is not 0, and a table.
-#[cfg(any(narrow_mul, test))]
+#[cfg(any(not(counted_zeros), test))]
 #[inline]
 const fn narrow_leading_zeros(x: u32) -> u32 {
     let (above, byte) = if x >> 24 != 0 {
