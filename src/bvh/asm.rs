@@ -84,6 +84,9 @@ fn facets<'a>(mesh: &Triangles<'a>, ray: &GridRay, depth: i32, once: bool) -> Fa
 pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &GridRay, depth: i32, t_max: i32) -> Option<MeshHit> {
     let facets = &mut facets(mesh, ray, depth, false);
     match mesh {
+        #[cfg(target_arch = "riscv32")]
+        Triangles::Plain(_) => facets.nearest(nodes.as_bytes(), nodes.len(), ray.axis),
+        #[cfg(not(target_arch = "riscv32"))]
         Triangles::Plain(_) => begin(&mut MaybeUninit::uninit(), nodes, ray, Order::Entry)?.look(facets),
         Triangles::Packed(mesh) => traverse(nodes, ray, &mut Nearest { mesh, facets }),
     }

@@ -3,7 +3,7 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use super::walk::Ray;
+use super::walk::{DEPTH_BITS, Ray};
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far.
 #[repr(C)]
@@ -14,23 +14,30 @@ pub struct Facets<'a> {
     triangle_count: MaybeUninit<u32>,
     slopes: MaybeUninit<[i32; 2]>,
     offsets: MaybeUninit<[i32; 2]>,
-    /// Four times the dominant axis; then the loop for it.
-    axis: u32,
+    /// Behind the last triangle.
+    end: MaybeUninit<*const [u16; 3]>,
+    /// The loop for the dominant axis.
+    front: MaybeUninit<usize>,
     plane: i32,
     /// All ones for a ray that goes down the axis.
     flip: i32,
+    /// 2^12 and 2^4, negative for such a ray.
+    scales: [i32; 2],
     recips: *const [u16; 128],
     /// Whether to stop at what is nearer.
     once: u32,
     nearest: Nearest,
+    /// What a walk goes by: where the ray may be met, along the axis, and the largest that may come next.
+    range: MaybeUninit<[i32; 2]>,
+    limit: MaybeUninit<u32>,
     lists: PhantomData<&'a [[u16; 3]]>,
 }
 
 #[repr(C)]
 struct Nearest {
     depth: i32,
-    b1: i32,
-    b2: i32,
+    /// Q16; of a triangle.
+    weights: MaybeUninit<[i32; 2]>,
     /// Where the triangle lies; the last place of all for none.
     triangle: usize,
 }
@@ -39,11 +46,16 @@ impl Nearest {
     const fn before(depth: i32) -> Nearest {
         Nearest {
             depth,
-            b1: 0,
-            b2: 0,
+            weights: MaybeUninit::uninit(),
             triangle: NONE,
         }
     }
+}
+
+#[inline(always)]
+fn scales(negative: bool) -> [i32; 2] {
+    let sign = 1 - 2 * i32::from(negative);
+    [sign << 12, sign << 4]
 }
 
 /// Where a ray meets a triangle, the first of those of its depth.
@@ -68,17 +80,30 @@ pub struct Corner {
 
 const _: () = assert!(size_of::<[Corner; 3]>() == 36);
 
+unsafe extern "C" {
+    /// Loops of [`front`] by the dominant axis.
+    static microlux_facets_fronts: [usize; 3];
+}
+
 const NONE: usize = usize::MAX;
 /// Bytes of a triangle, and of a vertex.
 const SIZE: usize = 6;
 
 impl<'a> Facets<'a> {
+    pub(crate) const SLOPES: usize = offset_of!(Facets, slopes);
+    pub(crate) const OFFSETS: usize = offset_of!(Facets, offsets);
+    pub(crate) const PLANE: usize = offset_of!(Facets, plane);
+    pub(crate) const FLIP: usize = offset_of!(Facets, flip);
+    pub(crate) const RECIPS: usize = offset_of!(Facets, recips);
     pub(crate) const DEPTH: usize = offset_of!(Facets, nearest.depth);
+    pub(crate) const RANGE: usize = offset_of!(Facets, range);
+    pub(crate) const LIMIT: usize = offset_of!(Facets, limit);
     pub(crate) const VERTICES: usize = offset_of!(Facets, vertices);
     pub(crate) const VERTEX_COUNT: usize = offset_of!(Facets, vertex_count);
     pub(crate) const TRIANGLES: usize = offset_of!(Facets, triangles);
     pub(crate) const TRIANGLE_COUNT: usize = offset_of!(Facets, triangle_count);
-    pub(crate) const AXIS: usize = offset_of!(Facets, axis);
+    pub(crate) const END: usize = offset_of!(Facets, end);
+    pub(crate) const FRONT: usize = offset_of!(Facets, front);
 
     /// Nothing yet, and nothing beyond `depth`. `recips` are first guesses 2^47/n by n's seven bits below the top one.
     #[inline(always)]
@@ -90,6 +115,8 @@ impl<'a> Facets<'a> {
         depth: i32,
         once: bool,
     ) -> Facets<'a> {
+        // SAFETY: it is what assembly below says.
+        let front = unsafe { microlux_facets_fronts[usize::from(ray.axis.min(2))] };
         Facets {
             vertices: vertices.as_ptr(),
             vertex_count: MaybeUninit::new(vertices.len() as u32),
@@ -97,12 +124,16 @@ impl<'a> Facets<'a> {
             triangle_count: MaybeUninit::new(triangles.len() as u32),
             slopes: MaybeUninit::new(ray.slopes),
             offsets: MaybeUninit::new(ray.offsets),
-            axis: u32::from(ray.axis.min(2)) * 4,
+            end: MaybeUninit::new(triangles.as_ptr_range().end),
+            front: MaybeUninit::new(front),
             plane: ray.plane,
             flip: -i32::from(ray.negative),
+            scales: scales(ray.negative),
             recips,
             once: once.into(),
             nearest: Nearest::before(depth),
+            range: MaybeUninit::uninit(),
+            limit: MaybeUninit::uninit(),
             lists: PhantomData,
         }
     }
@@ -131,12 +162,16 @@ impl<'a> Facets<'a> {
             triangle_count: MaybeUninit::uninit(),
             slopes: MaybeUninit::uninit(),
             offsets: MaybeUninit::uninit(),
-            axis: 0,
+            end: MaybeUninit::uninit(),
+            front: MaybeUninit::uninit(),
             plane,
             flip: -i32::from(negative),
+            scales: scales(negative),
             recips,
             once: once.into(),
             nearest: Nearest::before(depth),
+            range: MaybeUninit::uninit(),
+            limit: MaybeUninit::uninit(),
             lists: PhantomData,
         }
     }
@@ -164,29 +199,29 @@ impl<'a> Facets<'a> {
     pub fn met(&self) -> Option<Met> {
         let Nearest {
             depth,
-            b1,
-            b2,
+            weights,
             triangle,
         } = self.nearest;
         let is_met = triangle != NONE;
         // An exact quotient: by 2, and by the inverse of 3 modulo 2^32.
         let index = ((triangle.wrapping_sub(self.triangles as usize)) as u32 >> 1).wrapping_mul(0xaaaa_aaab);
         let triangle = if self.has_mesh() { index } else { triangle as u32 };
-        is_met.then_some(Met {
+        is_met.then(|| Met {
             triangle,
             depth,
-            weights: [b1, b2],
+            // SAFETY: they come with the triangle.
+            weights: unsafe { weights.assume_init() },
         })
     }
 }
 
-/// On to `$past` if the three are all below zero, or all above.
+/// On to `$past` if the three are all below zero, or all above; else on to `$next`, which comes next.
 #[rustfmt::skip]
 macro_rules! beside {
-    ($a:literal, $b:literal, $c:literal, $past:literal) => {
+    ($a:literal, $b:literal, $c:literal, $past:literal, $next:literal) => {
         concat!(
-            "bltz ", $a, ", 5f; blez ", $b, ", 6f; blez ", $c, ", 6f; bnez ", $a, ", ", $past, "; j 6f;",
-            "5: bgez ", $b, ", 6f; bltz ", $c, ", ", $past, "; 6:",
+            "bltz ", $a, ", 5f; blez ", $b, ", ", $next, "; blez ", $c, ", ", $next, "; bnez ", $a, ", ", $past, "; j ", $next, ";",
+            "5: bgez ", $b, ", ", $next, "; bltz ", $c, ", ", $past, ";",
         )
     };
 }
@@ -204,9 +239,9 @@ macro_rules! seen {
 /// On to the next triangle that lies to no side of the ray: the loop for one dominant axis.
 #[rustfmt::skip]
 macro_rules! front {
-    ($k:literal, $a:literal, $b:literal) => {
+    ($loop:literal, $k:literal, $a:literal, $b:literal) => {
         concat!(
-            "41: lhu a4, 0(s10); lhu a5, 2(s10); lhu a6, 4(s10); li t0, 6;",
+            $loop, ": 41: lhu a4, 0(s10); lhu a5, 2(s10); lhu a6, 4(s10); li t0, 6;",
             "bgeu a4, s6, 40f; bgeu a5, s6, 40f; bgeu a6, s6, 40f;",
             "mul a4, a4, t0; mul a5, a5, t0; mul a6, a6, t0; add a4, a4, a0; add a5, a5, a0; add a6, a6, a0;",
             "lhu s7, ", $k, "(a4); lhu s8, ", $k, "(a5); lhu s9, ", $k, "(a6);",
@@ -214,13 +249,13 @@ macro_rules! front {
             seen!("a1", "s7", "s2", "s4"),
             seen!("a2", "s8", "s2", "s4"),
             seen!("a3", "s9", "s2", "s4"),
-            beside!("a1", "a2", "a3", "40f"),
-            "lhu a4, ", $b, "(a4); lhu a5, ", $b, "(a5); lhu a6, ", $b, "(a6);",
+            beside!("a1", "a2", "a3", "40f", "6f"),
+            "6: lhu a4, ", $b, "(a4); lhu a5, ", $b, "(a5); lhu a6, ", $b, "(a6);",
             seen!("a4", "s7", "s3", "s5"),
             seen!("a5", "s8", "s3", "s5"),
             seen!("a6", "s9", "s3", "s5"),
-            beside!("a4", "a5", "a6", "40f"),
-            "j 50f;",
+            beside!("a4", "a5", "a6", "40f", "50b"),
+            "j 50b;",
             "40: addi s10, s10, 6; bne s10, s11, 41b; li t0, 0; ret;",
         )
     };
@@ -273,27 +308,15 @@ macro_rules! zeros {
 pub(crate) unsafe extern "C" fn front() {
     naked_asm!(
         extensions!(),
-        "lw t0, {axis}(a7)",
-        "beqz t0, 30f",
-        "addi t0, t0, -4",
-        "beqz t0, 31f",
-        "j 32f",
-        "30:",
-        front!("0", "2", "4"),
-        "31:",
-        front!("2", "4", "0"),
-        "32:",
-        front!("4", "0", "2"),
         // Corners across in a1 to a3 and a4 to a6, along in s7 to s9.
-        ".globl microlux_facets_edges",
-        "microlux_facets_edges:",
         "50:",
-        // u = cx by − cy bx, w = bx ay − by ax, v = ax cy − ay cx: t1 t0, t3 t2, t5 t4.
-        edge!("t1", "t0", "a3", "a5", "a6", "a2"),
+        // −u = cy bx − cx by, −w = by ax − bx ay, −v = ay cx − ax cy: t1 t0, t3 t2, t5 t4. Most triangles that face the ray
+        // have it so.
+        edge!("t1", "t0", "a6", "a2", "a3", "a5"),
         "bltz t1, 55f",
-        edge!("t3", "t2", "a2", "a4", "a5", "a1"),
+        edge!("t3", "t2", "a5", "a1", "a2", "a4"),
         "bltz t3, 52f",
-        edge!("t5", "t4", "a1", "a6", "a4", "a3"),
+        edge!("t5", "t4", "a4", "a3", "a1", "a6"),
         "bgez t5, 57f",
         // Below zero; the others must be zero, then.
         "or t6, t0, t1",
@@ -312,18 +335,26 @@ pub(crate) unsafe extern "C" fn front() {
         "neg t0, t0",
         "sub t1, t1, t6",
         "51:",
-        edge!("t3", "t2", "a5", "a1", "a2", "a4"),
+        edge!("t3", "t2", "a2", "a4", "a5", "a1"),
         "bltz t3, 59f",
         "56:",
-        edge!("t5", "t4", "a4", "a3", "a1", "a6"),
-        "bltz t5, 59f",
+        edge!("t5", "t4", "a1", "a6", "a4", "a3"),
+        "bgez t5, 57f",
+        "59:",
+        "addi s10, s10, 6",
+        "lw t1, {front}(a7)",
+        "li t0, 0",
+        "beq s10, s11, 58f",
+        "jr t1",
+        "58:",
+        "ret",
         "57:",
         "or t6, t1, t3",
         "or t6, t6, t5",
         "bnez t6, 54f",
         "or t6, t0, t2",
         "or t6, t6, t4",
-        "beqz t6, 59f",
+        "beqz t6, 59b",
         "srli t6, t6, 30",
         "beqz t6, 70f",
         "lui t6, 8",
@@ -340,14 +371,6 @@ pub(crate) unsafe extern "C" fn front() {
         shorten!("t1", "t0"),
         shorten!("t3", "t2"),
         shorten!("t5", "t4"),
-        "j 70f",
-        "59:",
-        "addi s10, s10, 6",
-        "bne s10, s11, 58f",
-        "li t0, 0",
-        "ret",
-        "58:",
-        "j {front}",
         // Met; u, v, w in t0, t4, t2. 1/(u + v + w): a guess, a Newton step in 16 bits, one in 32.
         "microlux_facets_met:",
         "70:",
@@ -403,23 +426,19 @@ pub(crate) unsafe extern "C" fn front() {
         "mv a3, t5",
         "73:",
         // Depths: of a in t2, and what b and c have more, t0 and t1.
-        "lw t3, {flip}(a7)",
-        "lw t4, {plane}(a7)",
+        "lw t3, {scales}(a7)",
+        "lw t6, {plane}(a7)",
         "sub t0, s8, s7",
         "sub t1, s9, s7",
-        "sub t2, s7, t4",
-        "bgez t3, 74f",
-        "neg t0, t0",
-        "neg t1, t1",
-        "neg t2, t2",
-        "74:",
-        "slli t0, t0, 12",
-        "slli t1, t1, 12",
+        "lw t5, {scales} + 4(a7)",
+        "sub t2, s7, t6",
+        "mul t0, t0, t3",
+        "mul t1, t1, t3",
+        "mul t2, t2, t5",
         "slli t3, a2, 12",
         "slli t4, a3, 12",
         "mulh t0, t0, t3",
         "mulh t1, t1, t4",
-        "slli t2, t2, 4",
         "lw t5, {depth}(a7)",
         "add t0, t0, t1",
         "addi t0, t0, 8",
@@ -432,24 +451,56 @@ pub(crate) unsafe extern "C" fn front() {
         "lw t5, {triangle}(a7)",
         "bgeu s10, t5, 59b",
         "75:",
-        "lw t5, {once}(a7)",
-        "sw t0, {depth}(a7)",
         "sw a2, {b1}(a7)",
         "sw a3, {b2}(a7)",
+        "lw t1, {flip}(a7)",
+        "lw t5, {once}(a7)",
+        "sw t0, {depth}(a7)",
         "sw s10, {triangle}(a7)",
+        // A walk's limit.
+        "srai t0, t0, {bits}",
+        "neg t2, t0",
+        "and t2, t2, t1",
+        "add t2, t2, t6",
+        "add t3, t2, t0",
+        "sw t2, {range}(a7)",
+        "sw t3, {range} + 4(a7)",
+        "lui t1, 16",
+        "addi t1, t1, -1",
+        "sltu t2, t0, t1",
+        "slli t0, t0, 16",
+        "add t0, t0, t1",
+        "addi t0, t0, -1",
+        "add t0, t0, t2",
+        "sw t0, {limit}(a7)",
         "beqz t5, 59b",
         "li t0, 1",
         "ret",
+        front!("30", "0", "2", "4"),
+        front!("31", "2", "4", "0"),
+        front!("32", "4", "0", "2"),
+        "microlux_facets_loop:",
+        "lw t0, {front}(a7)",
+        "jr t0",
+        ".pushsection .rodata.microlux_facets_fronts, \"a\"",
+        ".balign 4",
+        ".globl microlux_facets_fronts",
+        "microlux_facets_fronts:",
+        ".word 30b, 31b, 32b",
+        ".popsection",
         ".option pop",
-        front = sym front,
-        axis = const Facets::AXIS,
+        front = const Facets::FRONT,
+        scales = const offset_of!(Facets, scales),
+        range = const Facets::RANGE,
+        limit = const Facets::LIMIT,
+        bits = const DEPTH_BITS,
         recips = const offset_of!(Facets, recips),
         plane = const offset_of!(Facets, plane),
         flip = const offset_of!(Facets, flip),
         once = const offset_of!(Facets, once),
         depth = const offset_of!(Facets, nearest.depth),
-        b1 = const offset_of!(Facets, nearest.b1),
-        b2 = const offset_of!(Facets, nearest.b2),
+        b1 = const offset_of!(Facets, nearest.weights),
+        b2 = const offset_of!(Facets, nearest.weights) + 4,
         triangle = const offset_of!(Facets, nearest.triangle),
     )
 }
@@ -487,14 +538,15 @@ unsafe extern "C" fn look(facets: &mut Facets, first: u32, end: u32) -> bool {
         "lw s5, {offsets} + 4(a7)",
         "lw s6, {vertex_count}(a7)",
         "lw a0, {vertices}(a7)",
-        "jal {front}",
+        "jal microlux_facets_loop",
         "mv a0, t0",
+        ".pushsection .rodata.microlux_facets, \"a\"; .word {code}; .popsection",
         "lw ra, 0(sp); lw s2, 4(sp); lw s3, 8(sp); lw s4, 12(sp); lw s5, 16(sp); lw s6, 20(sp)",
         "lw s7, 24(sp); lw s8, 28(sp); lw s9, 32(sp); lw s10, 36(sp); lw s11, 40(sp)",
         "addi sp, sp, 48",
         "ret",
         ".option pop",
-        front = sym front,
+        code = sym front,
         size = const SIZE,
         slopes = const offset_of!(Facets, slopes),
         offsets = const offset_of!(Facets, offsets),
@@ -521,11 +573,13 @@ unsafe extern "C" fn test(facets: &mut Facets, corners: &[Corner; 3], number: u3
         "lw a1, 0(a0)",
         "lw a2, 12(a0)",
         "lw a3, 24(a0)",
-        beside!("a1", "a2", "a3", "9f"),
+        beside!("a1", "a2", "a3", "9f", "6f"),
+        "6:",
         "lw a4, 4(a0)",
         "lw a5, 16(a0)",
         "lw a6, 28(a0)",
-        beside!("a4", "a5", "a6", "9f"),
+        beside!("a4", "a5", "a6", "9f", "6f"),
+        "6:",
         "addi sp, sp, -32",
         "sw ra, 0(sp); sw s7, 4(sp); sw s8, 8(sp); sw s9, 12(sp); sw s10, 16(sp); sw s11, 20(sp)",
         "lw s7, 8(a0)",
@@ -533,7 +587,7 @@ unsafe extern "C" fn test(facets: &mut Facets, corners: &[Corner; 3], number: u3
         "lw s9, 32(a0)",
         "mv s10, t0",
         "addi s11, t0, {size}",
-        "jal microlux_facets_edges",
+        "jal {front}",
         "mv a0, t0",
         "lw ra, 0(sp); lw s7, 4(sp); lw s8, 8(sp); lw s9, 12(sp); lw s10, 16(sp); lw s11, 20(sp)",
         "addi sp, sp, 32",
@@ -542,6 +596,7 @@ unsafe extern "C" fn test(facets: &mut Facets, corners: &[Corner; 3], number: u3
         "li a0, 0",
         "ret",
         ".option pop",
+        front = sym front,
         size = const SIZE,
     )
 }

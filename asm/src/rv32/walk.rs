@@ -76,8 +76,6 @@ pub struct Walk<'a> {
     last: u32,
     slopes: [i32; 2],
     offsets: [i32; 2],
-    /// Where the ray may be met, along the axis; from the limit.
-    range: MaybeUninit<[i32; 2]>,
     /// Where a node is looked at, of the dominant axis and the slopes' signs; and where several of its children are.
     node: MaybeUninit<u32>,
     several: MaybeUninit<u32>,
@@ -151,20 +149,34 @@ impl<'a> Walk<'a> {
         }
         // SAFETY: `nodes` points to as many nodes as `last` says, which outlive the walk, and the stack is as full as
         // `waiting` says.
-        let found = unsafe { step(self, limit, ptr::null_mut()) };
+        let found = unsafe { step(ptr::from_mut(self).cast(), limit, ptr::null_mut(), 0, 0) };
         let (base, metas) = (found as u32, (found >> 32) as u32);
         (base != u32::MAX).then_some(Leaves { base, metas })
     }
 }
 
-impl Walk<'_> {
-    /// Looks at the triangles of all leaves that the ray may meet before what it has met, in a mesh.
+impl Facets<'_> {
+    /// Looks at the triangles of all leaves of their mesh's tree, as [`Walk::begin`] takes it, that the ray may meet before what
+    /// it has met.
     #[inline(always)]
-    pub fn look(&mut self, facets: &mut Facets) {
-        let limit = facets.depth() >> DEPTH_BITS;
-        if limit >= 0 && facets.has_mesh() {
+    pub fn nearest(&mut self, nodes: &[u8], count: usize, axis: u8) {
+        if count.wrapping_sub(1) >= 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0
+        {
+            return;
+        }
+        if self.depth() >= 0 && self.has_mesh() {
+            let mut place = MaybeUninit::<Walk>::uninit();
+            let (nodes, last) = (nodes.as_ptr() as i32, (count as u32 - 1) << 16);
             // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
-            unsafe { step(self, limit, ptr::from_mut(facets).cast()) };
+            unsafe {
+                step(
+                    place.as_mut_ptr().cast(),
+                    nodes,
+                    ptr::from_mut(self).cast(),
+                    last,
+                    u32::from(axis.min(2)),
+                )
+            };
         }
     }
 }
@@ -188,7 +200,7 @@ macro_rules! child {
     };
 }
 
-/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to 30, with its children in s1.
+/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to several children in s1, with t3 all ones.
 ///
 /// Then s0 is the node, t4 its origin along the axis, ra its exponent, a1 and a2 are the bounds across.
 #[rustfmt::skip]
@@ -212,9 +224,9 @@ macro_rules! node {
             child!("3", "8", $k, $a, $b, $most1, $least1, $most2, $least2),
             "beqz s1, 2b; addi t0, s1, -1; and t0, t0, s1; bnez t0, 5f;",
             // Straight on to a single one.
-            "srli t0, s1, 1; srli t1, s1, 3; sub t0, t0, t1; add t0, t0, s0; lb t0, 24(t0); lhu t3, 36(s0); bgez t0, 6f;",
+            "srli t0, s1, 1; srli t1, s1, 3; sub t0, t0, t1; add t2, t0, s0; lb t0, 24(t2); lhu t3, 36(s0); bgez t0, 6f;",
             "andi t0, t0, 3; add t3, t3, t0; slli t3, t3, 16; j 4b;",
-            "5: j 30f; 6: li t3, -1; j 40f;",
+            "5: lw t0, {several}(a0); li t3, -1; jr t0; 6: li t3, -1; j 39f;",
         )
     };
 }
@@ -253,6 +265,52 @@ macro_rules! across {
     };
 }
 
+/// a0: walk. a1: axis. a2: order. a3: first guesses of reciprocals. a4, a5: slopes. a6: flip. On to 9 with what the walk has of these.
+#[rustfmt::skip]
+macro_rules! set_up {
+    () => {
+        concat!(
+            // Of three axes' planes, those of the next and the one after that.
+            "slli t5, a1, 3;",
+            "addi t5, t5, 8;",
+            "li t0, 24;",
+            "bne t5, t0, 1f;",
+            "li t5, 0;",
+            "1:;",
+            "addi t6, t5, 8;",
+            "bne t6, t0, 1f;",
+            "li t6, 0;",
+            "1:;",
+            "srli t0, a4, 31;",
+            "srli t1, a5, 31;",
+            "slli t0, t0, 3;",
+            "slli t1, t1, 2;",
+            "slli t2, a1, 4;",
+            "add t0, t0, t1;",
+            "add t0, t0, t2;",
+            "lla t4, microlux_walk_places;",
+            "add t0, t0, t4;",
+            "lw t0, 0(t0);",
+            "andi t1, a6, 4;",
+            "sw t0, {node}(a0);",
+            "slli t2, a1, 3;",
+            "add t2, t2, t1;",
+            "sw t2, {face}(a0);",
+            "li t3, {any};",
+            "beq a2, t3, 1f;",
+            "add a2, a2, t1;",
+            "1:;",
+            "add t4, t4, a2;",
+            "lw t4, 0(t4);",
+            "li t3, {entry};",
+            "sw t4, {several}(a0);",
+            "bltu a2, t3, 9f;",
+            across!("a4", "t5", "{across}"),
+            across!("a5", "t6", "{across}+20"),
+        )
+    };
+}
+
 /// a0: walk. a1: axis. a2: order. a3: first guesses of reciprocals. What the walk has of these and of its ray.
 ///
 /// # Safety
@@ -265,43 +323,7 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         "lw a4, {slopes}(a0)",
         "lw a5, {slopes} + 4(a0)",
         "lw a6, {flip}(a0)",
-        // Of three axes' planes, those of the next and the one after that.
-        "slli t5, a1, 3",
-        "addi t5, t5, 8",
-        "li t0, 24",
-        "bne t5, t0, 1f",
-        "li t5, 0",
-        "1:",
-        "addi t6, t5, 8",
-        "bne t6, t0, 1f",
-        "li t6, 0",
-        "1:",
-        "srli t0, a4, 31",
-        "srli t1, a5, 31",
-        "slli t0, t0, 3",
-        "slli t1, t1, 2",
-        "slli t2, a1, 4",
-        "add t0, t0, t1",
-        "add t0, t0, t2",
-        "lla t4, microlux_walk_places",
-        "add t0, t0, t4",
-        "lw t0, 0(t0)",
-        "andi t1, a6, 4",
-        "sw t0, {node}(a0)",
-        "slli t2, a1, 3",
-        "add t2, t2, t1",
-        "sw t2, {face}(a0)",
-        "li t3, {any}",
-        "beq a2, t3, 1f",
-        "add a2, a2, t1",
-        "1:",
-        "add t4, t4, a2",
-        "lw t4, 0(t4)",
-        "li t3, {entry}",
-        "sw t4, {several}(a0)",
-        "bltu a2, t3, 9f",
-        across!("a4", "t5", "{across}"),
-        across!("a5", "t6", "{across}+20"),
+        set_up!(),
         "9:",
         "ret",
         ".option pop",
@@ -319,17 +341,17 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
 /// If child `$at`, which is at hand, is a node, its place among those of several, by where the ray enters.
 #[rustfmt::skip]
 macro_rules! entry {
-    ($at:literal, $bit:literal, $before:literal, $min:literal, $along:literal) => {
+    ($at:literal, $bit:literal, $labels:literal, $before:literal, $min:literal, $along:literal) => {
         concat!(
-            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 1", $labels, "f; bgez t0, 1", $labels, "f; addi s1, s1, -", $bit, ";",
             "lbu t2, ", $at, "(a4); lw a5, {step1}(a0); lbu t1, ", $at, "(a3);",
             "mul t2, t2, a5; sub t2, t2, a1; addi t1, t1, ", $before, "; bgeu t2, s8, 1f;",
             "srli t2, t2, 5; mul t2, t2, s7; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
-            "lbu t2, ", $at, "(a6); lw a5, {step2}(a0); andi t0, t0, 3;",
-            "mul t2, t2, a5; sub t2, t2, a2; bgeu t2, a7, 1f;",
+            "lbu t2, ", $at, "(s10); lw a5, {step2}(a0); andi t0, t0, 3;",
+            "mul t2, t2, a5; sub t2, t2, a2; bgeu t2, s11, 1f;",
             "srli t2, t2, 5; mul t2, t2, s9; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
             "lhu a5, 36(s0); sll t1, t1, ra; ", $along, "; add t0, t0, a5;",
-            place!(),
+            place!($labels),
         )
     };
 }
@@ -337,33 +359,11 @@ macro_rules! entry {
 /// By where its box begins.
 #[rustfmt::skip]
 macro_rules! face {
-    ($at:literal, $bit:literal, $along:literal) => {
+    ($at:literal, $bit:literal, $labels:literal, $along:literal) => {
         concat!(
-            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 1", $labels, "f; bgez t0, 1", $labels, "f; addi s1, s1, -", $bit, ";",
             "lbu t1, ", $at, "(a3); lhu a5, 36(s0); andi t0, t0, 3; sll t1, t1, ra; ", $along, "; add t0, t0, a5;",
-            place!(),
-        )
-    };
-}
-
-/// The node t0, at depth t1, or at 0 if that is negative: the nearer of it and t3 into t3, the farther to those that wait, if there are two.
-#[rustfmt::skip]
-macro_rules! place {
-    () => {
-        concat!(
-            "srai t2, t1, 31; not t2, t2; and t1, t1, t2; slli t1, t1, 16; add t1, t1, t0;",
-            "bgeu t1, t3, 1f; mv t2, t3; mv t3, t1; mv t1, t2; 1:",
-            "addi t2, t1, 1; beqz t2, 9f; addi t2, a0, {stack}+4*{most}; bgeu s6, t2, 9f; addi s6, s6, 4; sw t1, 0(s6); 9:",
-        )
-    };
-}
-
-#[rustfmt::skip]
-macro_rules! each {
-    ($what:ident $(, $argument:literal)*) => {
-        concat!(
-            $what!("0", "1" $(, $argument)*), $what!("1", "2" $(, $argument)*),
-            $what!("2", "4" $(, $argument)*), $what!("3", "8" $(, $argument)*),
+            place!($labels),
         )
     };
 }
@@ -371,11 +371,48 @@ macro_rules! each {
 /// Any first.
 #[rustfmt::skip]
 macro_rules! any {
-    ($at:literal, $bit:literal) => {
+    ($at:literal, $bit:literal, $labels:literal) => {
         concat!(
-            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 9f; bgez t0, 9f; addi s1, s1, -", $bit, ";",
+            "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 1", $labels, "f; bgez t0, 1", $labels, "f; addi s1, s1, -", $bit, ";",
             "lhu a5, 36(s0); andi t0, t0, 3; li t1, 0; add t0, t0, a5;",
-            place!(),
+            place!($labels),
+        )
+    };
+}
+
+/// The node t0, at depth t1, or at 0 if that is negative: the nearer of it and t3 into t3, the farther to those that wait, if there are two.
+///
+/// What is not usual stands in [`aside`].
+#[rustfmt::skip]
+macro_rules! place {
+    ($labels:literal) => {
+        concat!(
+            "bltz t1, 2", $labels, "f; 3", $labels, ": slli t1, t1, 16; add t1, t1, t0; bgeu t1, t3, 4", $labels, "f;",
+            "addi t2, t3, 1; beqz t2, 1f; addi t2, a0, {stack}+4*{most}; bgeu s6, t2, 1f; addi s6, s6, 4; sw t3, 0(s6); 1: mv t3, t1;",
+            "1", $labels, ":",
+        )
+    };
+}
+
+/// A depth below 0; what is not the nearest.
+#[rustfmt::skip]
+macro_rules! aside {
+    ($at:literal, $bit:literal, $labels:literal) => {
+        concat!(
+            "2", $labels, ": li t1, 0; j 3", $labels, "b;",
+            "4", $labels, ": addi t2, a0, {stack}+4*{most}; bgeu s6, t2, 1", $labels, "b; addi s6, s6, 4; sw t1, 0(s6); j 1", $labels, "b;",
+        )
+    };
+}
+
+#[rustfmt::skip]
+macro_rules! each {
+    ($end:literal, $what:ident $(, $argument:literal)*) => {
+        concat!(
+            $what!("0", "1", "00" $(, $argument)*), $what!("1", "2", "01" $(, $argument)*),
+            $what!("2", "4", "02" $(, $argument)*), $what!("3", "8", "03" $(, $argument)*),
+            "j ", $end, ";",
+            aside!("0", "1", "00"), aside!("1", "2", "01"), aside!("2", "4", "02"), aside!("3", "8", "03"),
         )
     };
 }
@@ -385,9 +422,9 @@ macro_rules! any {
 macro_rules! begin_entry {
     () => {
         concat!(
-            "lw a3, {face}(a0); lw a4, {face1}(a0); lw a6, {face2}(a0); lw a7, {beyond2}(a0);",
+            "lw a3, {face}(a0); lw a4, {face1}(a0); lw s10, {face2}(a0); lw s11, {beyond2}(a0);",
             "lw t0, {sign1}(a0); lw t1, {sign2}(a0); lw t2, {plane}(a0);",
-            "add a3, a3, s0; add a4, a4, s0; add a6, a6, s0; mul a1, a1, t0; mul a2, a2, t1; li t3, -1;",
+            "add a3, a3, s0; add a4, a4, s0; add s10, s10, s0; mul a1, a1, t0; mul a2, a2, t1;",
         )
     };
 }
@@ -400,13 +437,13 @@ macro_rules! meta {
     };
 }
 
-/// The limit t0, along the axis: range in a6, a7; in t6 the largest that may come next.
+/// The limit t0, along the axis, from t1 on, down it if t2 is all ones: range in a6, a7; in t6 the largest that may come next.
 #[rustfmt::skip]
 macro_rules! limits {
     () => {
         concat!(
-            "lw t1, {plane}(a0); lw t2, {flip}(a0); lui t3, 16; addi t3, t3, -1;",
-            "neg a6, t0; and a6, a6, t2; add a6, a6, t1; add a7, a6, t0; sw a6, {range}(a0); sw a7, {range}+4(a0);",
+            "lui t3, 16; addi t3, t3, -1;",
+            "neg a6, t0; and a6, a6, t2; add a6, a6, t1; add a7, a6, t0; ",
             // What is beyond every limit is beyond this one, too.
             "sltu t1, t0, t3; slli t6, t0, 16; addi t3, t3, -1; add t6, t6, t3; add t6, t6, t1;",
         )
@@ -424,7 +461,8 @@ macro_rules! registers {
     };
 }
 
-/// a0: walk. a1: limit. a2: null, or what looks at leaves. A node's first primitive, and then its leaves; all ones for none.
+/// a0: walk. a1: limit. a2: null. A node's first primitive, and then its leaves; all ones for none. Or, from the root on to the
+/// nearest hit: a0: room for a walk. a1: nodes. a2: what looks at leaves. a3: the last node's index · 2^16. a4: axis.
 ///
 /// a0: walk. s2 to s5: slopes, offsets. s6: the last that waits. s10, s11: nodes, and the last one's index · 2^16. a6, a7:
 /// range along the axis. t6: the largest that may come next. t5: where nodes are looked at. s7, s8, s9: reciprocal and bound
@@ -434,26 +472,65 @@ macro_rules! registers {
 ///
 /// The walk is as [`Walk::begin`] made it, or as this has left it.
 #[unsafe(naked)]
-unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
+unsafe extern "C" fn step(
+    walk: *mut Walk<'static>,
+    limit: i32,
+    facets: *mut Facets<'static>,
+    last: u32,
+    axis: u32,
+) -> u64 {
     naked_asm!(
         extensions!(),
         "addi sp, sp, -64",
         "sw ra, 0(sp); sw s0, 4(sp); sw s1, 8(sp); sw s2, 12(sp); sw s3, 16(sp); sw s4, 20(sp); sw s5, 24(sp)",
         "sw s6, 28(sp); sw s7, 32(sp); sw s8, 36(sp); sw s9, 40(sp); sw s10, 44(sp); sw s11, 48(sp)",
         "sw a2, {facets}(a0)",
+        "beqz a2, 20f",
+        "sw a1, {nodes}(a0)",
+        "sw a3, {last}(a0)",
+        "mv a7, a2",
+        "mv a1, a4",
+        "lw a3, {facets_recips}(a7)",
+        "lw a4, {facets_slopes}(a7)",
+        "lw a5, {facets_slopes} + 4(a7)",
+        "lw a6, {facets_flip}(a7)",
+        "li a2, {entry}",
+        set_up!(),
+        "9:",
+        "lw t1, {facets_plane}(a7)",
+        "mv s2, a4",
+        "mv s3, a5",
+        "mv t2, a6",
+        "lw t0, {depth}(a7)",
+        "lw s4, {facets_offsets}(a7)",
+        "lw s5, {facets_offsets} + 4(a7)",
+        "sw t1, {plane}(a0)",
+        "mv t4, a7",
+        "srai t0, t0, {bits}",
+        limits!(),
+        "sw a6, {range}(t4)",
+        "sw a7, {range} + 4(t4)",
+        "sw t6, {limit}(t4)",
+        "li t3, 0",
+        "addi s6, a0, {stack}",
+        "j 21f",
+        "20:",
+        "lw t1, {plane}(a0)",
+        "lw t2, {flip}(a0)",
         "mv t0, a1",
         limits!(),
-        registers!(),
         "lw s2, {slopes}(a0)",
         "lw s3, {slopes} + 4(a0)",
         "lw s4, {offsets}(a0)",
         "lw s5, {offsets} + 4(a0)",
         "lw s6, {waiting}(a0)",
         "addi t0, a0, {stack}",
-        "li t1, -1",
-        "sw t1, 0(t0)",
         "lw t3, {next}(a0)",
         "add s6, s6, t0",
+        "21:",
+        registers!(),
+        "li t1, -1",
+        "sw t1, {stack}(a0)",
         "jr t5",
         ".pushsection .rodata.microlux_walk_places, \"a\"",
         ".balign 4",
@@ -461,6 +538,8 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "microlux_walk_places:",
         ".word 60f, 61f, 62f, 63f, 64f, 65f, 66f, 67f, 68f, 69f, 70f, 71f",
         ".word 80f, 81f, 82f, 83f, 84f",
+        // Here for its loops alone, which facets know.
+        ".word {code}",
         ".popsection",
         // Nothing waits.
         "25:",
@@ -477,27 +556,20 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         nodes!("64", "65", "66", "67", "y", "8", "16", "0"),
         nodes!("68", "69", "70", "71", "z", "16", "0", "8"),
         // Several children in s1.
-        "30:",
-        "lw t0, {several}(a0)",
-        "li t3, -1",
-        "jr t0",
         "80:",
-        each!(any),
-        "j 32f",
+        each!("32f", any),
         "81:",
         "lw a3, {face}(a0)",
         "lw t2, {plane}(a0)",
         "add a3, a3, s0",
         "sub t4, t4, t2",
-        each!(face, "add t1, t1, t4"),
-        "j 32f",
+        each!("32f", face, "add t1, t1, t4"),
         "82:",
         "lw a3, {face}(a0)",
         "lw t2, {plane}(a0)",
         "add a3, a3, s0",
         "sub t4, t2, t4",
-        each!(face, "sub t1, t4, t1"),
-        "j 32f",
+        each!("32f", face, "sub t1, t4, t1"),
         // Of three planes the last that the ray comes to.
         "83:",
         begin_entry!(),
@@ -505,30 +577,37 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "sub t4, t4, t2",
         "sll t0, t0, ra",
         "sub t4, t4, t0",
-        each!(entry, "1", "bge", "add t1, t1, t4"),
-        "j 31f",
+        each!("31f", entry, "1", "bge", "add t1, t1, t4"),
         "84:",
         begin_entry!(),
         "li t0, 3",
         "sub t4, t2, t4",
         "sll t0, t0, ra",
         "sub t4, t4, t0",
-        each!(entry, "-3", "ble", "sub t1, t4, t1"),
+        each!("31f", entry, "-3", "ble", "sub t1, t4, t1"),
         "31:",
-        "lw a6, {range}(a0)",
-        "lw a7, {range} + 4(a0)",
+        "lw s10, {nodes}(a0)",
+        "lw s11, {last}(a0)",
         "32:",
         "bnez s1, 40f",
         "jr t5",
+        // A leaf alone, at t2.
+        "39:",
+        "lw a7, {facets}(a0)",
+        "beqz a7, 41f",
+        "li s1, 1",
+        "j 43f",
         // Leaves in s1, the node that comes next in t3; the first primitive to t4.
         "40:",
-        "lw t0, {facets}(a0)",
+        "lw a7, {facets}(a0)",
+        "mv t2, s0",
+        "bnez a7, 43f",
+        "41:",
         "lhu t4, 38(s0)",
         "lbu t1, 35(s0)",
         "sw t3, {next}(a0)",
         "slli t1, t1, 16",
         "or t4, t4, t1",
-        "bnez t0, 43f",
         "addi t1, a0, {stack}",
         "sub t1, s6, t1",
         "sw t1, {waiting}(a0)",
@@ -536,61 +615,88 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "or t3, t3, t1",
         "li a1, 0",
         "mv a0, t4",
-        "bnez t3, 41f",
+        "bnez t3, 42f",
         "lui t0, 0x80000",
         "or a0, a0, t0",
-        "41:",
+        "42:",
         meta!("3", "8"),
         meta!("2", "4"),
         meta!("1", "2"),
         meta!("0", "1"),
         "j 26b",
-        // Each leaf's triangles.
+        // Each leaf's triangles, from the one at t2.
         "43:",
+        "lhu t4, 38(s0)",
+        "lbu t1, 35(s0)",
+        "lw t0, {triangle_count}(a7)",
+        "sw t3, {next}(a0)",
+        "slli t1, t1, 16",
+        "or t4, t4, t1",
+        "lw t3, {triangles}(a7)",
         "sw a0, 52(sp)",
+        "bgeu t4, t0, 48f",
+        "li t1, 6",
+        "mul t4, t4, t1",
         "sw s6, 56(sp)",
-        "mv a7, t0",
-        "sw t4, 60(sp)",
+        "mv s0, t2",
+        "add t4, t4, t3",
         "lw s6, {vertex_count}(a7)",
         "lw a0, {vertices}(a7)",
+        "sw t4, 60(sp)",
+        "lla ra, 46f",
+        "j 45f",
         "44:",
+        "lw t4, 60(sp)",
+        "45:",
         "andi t0, s1, 1",
         "srli s1, s1, 1",
         "beqz t0, 46f",
         "lbu t1, 24(s0)",
-        "lw t4, 60(sp)",
-        "lw t2, {triangle_count}(a7)",
+        "lw t3, {end}(a7)",
+        "li t2, 6",
         "andi t0, t1, 15",
         "srli t1, t1, 4",
-        "add t0, t0, t4",
-        "add t1, t1, t0",
-        "bleu t1, t2, 45f",
-        "mv t1, t2",
-        "45:",
-        "bleu t1, t0, 46f",
-        "lw t2, {triangles}(a7)",
-        "li t4, 6",
-        "mul s10, t0, t4",
-        "mul s11, t1, t4",
-        "add s10, s10, t2",
-        "add s11, s11, t2",
-        "jal {front}",
+        "mul t0, t0, t2",
+        "mul t1, t1, t2",
+        "lw t6, {front}(a7)",
+        "add s10, t4, t0",
+        "add s11, s10, t1",
+        "bltu t3, s11, 47f",
+        "bgeu s10, s11, 46f",
+        "jr t6",
         "46:",
         "addi s0, s0, 1",
         "bnez s1, 44b",
-        // What has been met is the limit.
         "lw a0, 52(sp)",
-        "lw t0, {met}(a7)",
         "lw s6, 56(sp)",
-        "srai t0, t0, {bits}",
-        limits!(),
+        // What has been met is the limit.
+        "48:",
+        "lw a6, {range}(a7)",
+        "lw t6, {limit}(a7)",
+        "lw a7, {range} + 4(a7)",
         "lw t3, {next}(a0)",
         registers!(),
         "jr t5",
+        "47:",
+        "mv s11, t3",
+        "bgeu s10, s11, 46b",
+        "jr t6",
         ".option pop",
-        front = sym facets::front,
-        met = const Facets::DEPTH,
+        code = sym facets::front,
+        depth = const Facets::DEPTH,
         bits = const DEPTH_BITS,
+        facets_slopes = const Facets::SLOPES,
+        facets_offsets = const Facets::OFFSETS,
+        facets_plane = const Facets::PLANE,
+        facets_flip = const Facets::FLIP,
+        facets_recips = const Facets::RECIPS,
+        any = const Order::Any as u32,
+        entry = const Order::Entry as u32,
+        across = const offset_of!(Walk, across),
+        range = const Facets::RANGE,
+        limit = const Facets::LIMIT,
+        end = const Facets::END,
+        front = const Facets::FRONT,
         vertices = const Facets::VERTICES,
         vertex_count = const Facets::VERTEX_COUNT,
         triangles = const Facets::TRIANGLES,
@@ -601,7 +707,6 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         several = const offset_of!(Walk, several),
         slopes = const offset_of!(Walk, slopes),
         offsets = const offset_of!(Walk, offsets),
-        range = const offset_of!(Walk, range),
         plane = const offset_of!(Walk, plane),
         flip = const offset_of!(Walk, flip),
         next = const offset_of!(Walk, next),
