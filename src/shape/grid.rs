@@ -304,7 +304,8 @@ impl GridRay {
     /// else the face it comes to. Then its other two coordinates are rounded to nearest, so that the quantised ray
     /// starts within ½ step of the true one in each. It misses for good if it is beyond the cube and leaving, or
     /// 65536 steps beside it: along the cube it moves across by 65535 steps at most. Origins within ±2^30 units.
-    #[inline]
+    #[cfg_attr(target_arch = "riscv32", inline(always))]
+    #[cfg_attr(not(target_arch = "riscv32"), inline)]
     pub fn enter(grid: &Grid, ray: &Ray, slopes: &Slopes) -> Option<GridRay> {
         GridRay::enter_here(grid, ray, slopes)
     }
