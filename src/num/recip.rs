@@ -67,8 +67,11 @@ pub(crate) fn recip_of_large(n: u32) -> u32 {
     let r = r + ((r * (e >> 9)) >> 22);
     // R = 2^62/n to 2^-15; n·R/2^32 = 2^30 (1 + error), which the second step takes back.
     let big = (r as u32) << 15;
-    // That product's high word, exactly: r has 16 bits, so two products do.
+    // That product's high word, exactly: r has 16 bits, so two products do where they are narrow.
+    #[cfg(narrow_mul)]
     let high = ((n >> 16) * r as u32 + (((n & 0xffff) * r as u32) >> 16)) >> 1;
+    #[cfg(not(narrow_mul))]
+    let high = mul_hi(n, big);
     let e = (1i32 << 30) - high as i32;
     let big = big.wrapping_add((((r >> 1) * e) >> 14) as u32);
     if big >= 1 << 31 { u32::MAX } else { big << 1 }
