@@ -244,69 +244,39 @@ macro_rules! nodes {
 }
 
 /// What tells where the ray comes to an axis' planes: of its slope in `$slope`, whose planes begin at `$planes`; into `$at` of a0.
+/// Of the way aside, the bound and the reciprocal stay.
 #[rustfmt::skip]
 macro_rules! across {
-    ($slope:literal, $planes:literal, $at:literal) => {
+    ($slope:literal, $planes:literal, $at:literal, $beyond:literal, $recip:literal) => {
         concat!(
             "srai t0, ", $slope, ", 31; xor t1, ", $slope, ", t0; sub t1, t1, t0;",
             "xor t2, t0, a6; andi t2, t2, 4; add t2, t2, ", $planes, "; sw t2, ", $at, "+8(a0);",
             "ori t2, t0, 1; sw t2, ", $at, "(a0); slli t2, t2, 13; sw t2, ", $at, "+4(a0);",
-            "srli t2, t1, 8; beqz t2, 4f; slli t2, t1, 8; li t0, 8;",
+            "srli ", $beyond, ", t1, 8; beqz ", $beyond, ", 4f; slli ", $beyond, ", t1, 8; li t0, 8;",
             // Up to bit 15.
             "srli t3, t1, 12; bnez t3, 3f; slli t1, t1, 4; addi t0, t0, -4; 3:",
             "srli t3, t1, 14; bnez t3, 3f; slli t1, t1, 2; addi t0, t0, -2; 3:",
             "srli t3, t1, 15; bnez t3, 3f; slli t1, t1, 1; addi t0, t0, -1; 3:",
             // A guess and a Newton step.
-            "srli t3, t1, 7; andi t3, t3, 0xfe; add t3, t3, a3; lhu t3, 0(t3); lui t4, 0x80000;",
-            "mul t1, t1, t3; sub t1, t4, t1; srai t1, t1, 9; mul t1, t1, t3; srai t1, t1, 22;",
-            "add t1, t1, t3; srl t1, t1, t0; sw t1, ", $at, "+16(a0);",
-            "4: sw t2, ", $at, "+12(a0);",
+            "srli t3, t1, 7; andi t3, t3, 0xfe; add t3, t3, a3; lhu t3, 0(t3); lui t2, 0x80000;",
+            "mul t1, t1, t3; sub t1, t2, t1; srai t1, t1, 9; mul t1, t1, t3; srai t1, t1, 22;",
+            "add t1, t1, t3; srl ", $recip, ", t1, t0; sw ", $recip, ", ", $at, "+16(a0);",
+            "4: sw ", $beyond, ", ", $at, "+12(a0);",
         )
     };
 }
 
-/// a0: walk. a1: axis. a2: order. a3: first guesses of reciprocals. a4, a5: slopes. a6: flip. On to 9 with what the walk has of these.
+/// Where nodes are looked at, into `$node`, and several children in order a2: a0: walk. a1: axis. a6: flip. On to 9 if nothing
+/// more is wanted of the slopes; else the planes across begin at t5 and t6.
 #[rustfmt::skip]
 macro_rules! set_up {
-    () => {
+    ($slope1:literal, $slope2:literal, $node:literal) => {
         concat!(
-            // Of three axes' planes, those of the next and the one after that.
-            "slli t5, a1, 3;",
-            "addi t5, t5, 8;",
-            "li t0, 24;",
-            "bne t5, t0, 1f;",
-            "li t5, 0;",
-            "1:;",
-            "addi t6, t5, 8;",
-            "bne t6, t0, 1f;",
-            "li t6, 0;",
-            "1:;",
-            "srli t0, a4, 31;",
-            "srli t1, a5, 31;",
-            "slli t0, t0, 3;",
-            "slli t1, t1, 2;",
-            "slli t2, a1, 4;",
-            "add t0, t0, t1;",
-            "add t0, t0, t2;",
-            "lla t4, microlux_walk_places;",
-            "add t0, t0, t4;",
-            "lw t0, 0(t0);",
-            "andi t1, a6, 4;",
-            "sw t0, {node}(a0);",
-            "slli t2, a1, 3;",
-            "add t2, t2, t1;",
-            "sw t2, {face}(a0);",
-            "li t3, {any};",
-            "beq a2, t3, 1f;",
-            "add a2, a2, t1;",
-            "1:;",
-            "add t4, t4, a2;",
-            "lw t4, 0(t4);",
-            "li t3, {entry};",
-            "sw t4, {several}(a0);",
-            "bltu a2, t3, 9f;",
-            across!("a4", "t5", "{across}"),
-            across!("a5", "t6", "{across}+20"),
+            "srli t0, ", $slope1, ", 31; srli t1, ", $slope2, ", 31; slli t0, t0, 3; slli t1, t1, 2;",
+            "slli t2, a1, 4; add t0, t0, t1; add t0, t0, t2; lla t4, microlux_walk_places; add t0, t0, t4;",
+            "lw ", $node, ", 0(t0); slli t2, a1, 3; andi t1, a6, 4; add t0, t4, t2; add t2, t2, t1; sw ", $node, ", {node}(a0); sw t2, {face}(a0);",
+            "li t3, {any}; beq a2, t3, 1f; add a2, a2, t1; 1: add t4, t4, a2; lw t4, 0(t4); li t3, {entry};",
+            "lw t5, 68(t0); lw t6, 72(t0); sw t4, {several}(a0); bltu a2, t3, 9f;",
         )
     };
 }
@@ -323,7 +293,9 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         "lw a4, {slopes}(a0)",
         "lw a5, {slopes} + 4(a0)",
         "lw a6, {flip}(a0)",
-        set_up!(),
+        set_up!("a4", "a5", "a7"),
+        across!("a4", "t5", "{across}", "a1", "a7"),
+        across!("a5", "t6", "{across}+20", "a1", "a7"),
         "9:",
         "ret",
         ".option pop",
@@ -486,21 +458,24 @@ unsafe extern "C" fn step(
         "sw s6, 28(sp); sw s7, 32(sp); sw s8, 36(sp); sw s9, 40(sp); sw s10, 44(sp); sw s11, 48(sp)",
         "sw a2, {facets}(a0)",
         "beqz a2, 20f",
+        "mv s10, a1",
+        "mv s11, a3",
+        "mv a7, a2",
         "sw a1, {nodes}(a0)",
         "sw a3, {last}(a0)",
-        "mv a7, a2",
+        "lw s2, {facets_slopes}(a2)",
+        "lw s3, {facets_slopes} + 4(a2)",
+        "lw a6, {facets_flip}(a2)",
+        "lw a3, {facets_recips}(a2)",
         "mv a1, a4",
-        "lw a3, {facets_recips}(a7)",
-        "lw a4, {facets_slopes}(a7)",
-        "lw a5, {facets_slopes} + 4(a7)",
-        "lw a6, {facets_flip}(a7)",
         "li a2, {entry}",
-        set_up!(),
+        set_up!("s2", "s3", "a5"),
+        across!("s2", "t5", "{across}", "s8", "s7"),
+        across!("s3", "t6", "{across}+20", "t4", "s9"),
         "9:",
-        "lw t1, {facets_plane}(a7)",
-        "mv s2, a4",
-        "mv s3, a5",
+        "mv t5, a5",
         "mv t2, a6",
+        "lw t1, {facets_plane}(a7)",
         "lw t0, {depth}(a7)",
         "lw s4, {facets_offsets}(a7)",
         "lw s5, {facets_offsets} + 4(a7)",
@@ -511,9 +486,11 @@ unsafe extern "C" fn step(
         "sw a6, {range}(t4)",
         "sw a7, {range} + 4(t4)",
         "sw t6, {limit}(t4)",
-        "li t3, 0",
         "addi s6, a0, {stack}",
-        "j 21f",
+        "li t1, -1",
+        "sw t1, {stack}(a0)",
+        "li t3, 0",
+        "jr t5",
         "20:",
         "lw t1, {plane}(a0)",
         "lw t2, {flip}(a0)",
@@ -527,7 +504,6 @@ unsafe extern "C" fn step(
         "addi t0, a0, {stack}",
         "lw t3, {next}(a0)",
         "add s6, s6, t0",
-        "21:",
         registers!(),
         "li t1, -1",
         "sw t1, {stack}(a0)",
@@ -538,6 +514,8 @@ unsafe extern "C" fn step(
         "microlux_walk_places:",
         ".word 60f, 61f, 62f, 63f, 64f, 65f, 66f, 67f, 68f, 69f, 70f, 71f",
         ".word 80f, 81f, 82f, 83f, 84f",
+        // By the dominant axis, planes of the two that follow.
+        ".word 8, 16, 16, 0, 0, 8",
         // Here for its loops alone, which facets know.
         ".word {code}",
         ".popsection",
