@@ -290,13 +290,16 @@ macro_rules! large {
     };
 }
 
-/// t1 shifted, so that it has its top bit, how far in t3: by `$by` if the bits from `$from` on are 0.
-#[rustfmt::skip]
-macro_rules! zeros {
-    ($from:literal, $by:literal) => {
-        concat!("srli t5, t1, ", $from, "; bnez t5, 5f; slli t1, t1, ", $by, "; addi t3, t3, ", $by, "; 5:")
-    };
-}
+/// Zeros above the highest bit of a byte.
+static ZEROS: [u8; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = (i as u8).leading_zeros() as u8;
+        i += 1;
+    }
+    table
+};
 
 /// s10, s11: triangles from and to, at least one; a0, s6: vertices and how many; a7: facets; s2 to s5: slopes and offsets; ra.
 /// Whether it stopped at what is nearer: t0. Takes a1 to a6, t1 to t6 and s7 to s9.
@@ -365,28 +368,43 @@ pub(crate) unsafe extern "C" fn front() {
         large!("a5"),
         large!("a6"),
         "j 70f",
+        // u, v, w in t0, t4, t2, their sum in t1; zeros above it in t3, by a table of bytes.
+        "70:",
+        "add t1, t0, t4",
+        "add t1, t1, t2",
+        "li t3, 0",
+        "srli t5, t1, 16",
+        "bnez t5, 71f",
+        "slli t1, t1, 16",
+        "li t3, 16",
+        "j 71f",
         "53:",
         "li t5, 0",
         "54:",
         shorten!("t1", "t0"),
         shorten!("t3", "t2"),
         shorten!("t5", "t4"),
-        // Met; u, v, w in t0, t4, t2. 1/(u + v + w): a guess, a Newton step in 16 bits, one in 32.
-        "microlux_facets_met:",
-        "70:",
         "add t1, t0, t4",
         "add t1, t1, t2",
         "li t3, 0",
-        zeros!("16", "16"),
-        zeros!("24", "8"),
-        zeros!("28", "4"),
-        zeros!("30", "2"),
-        zeros!("31", "1"),
+        // Met. 1/(u + v + w): a guess, a Newton step in 16 bits, one in 32.
+        "71:",
+        "srli t5, t1, 24",
+        "lla t6, {zeros}",
+        "bnez t5, 72f",
+        "slli t1, t1, 8",
+        "addi t3, t3, 8",
+        "srli t5, t1, 24",
+        "72:",
+        "add t6, t6, t5",
+        "lbu t6, 0(t6)",
+        "lw t0, {recips}(a7)",
+        "add t3, t3, t6",
+        "sll t1, t1, t6",
         "sll a2, t4, t3",
         "sll a3, t2, t3",
-        "lw t3, {recips}(a7)",
-        "srli t0, t1, 23",
-        "andi t0, t0, 0xfe",
+        "srli t3, t1, 23",
+        "andi t3, t3, 0xfe",
         "add t3, t3, t0",
         "lhu t3, 0(t3)",
         "srli t2, t1, 16",
@@ -406,9 +424,10 @@ pub(crate) unsafe extern "C" fn front() {
         "srai t0, t0, 14",
         "add t2, t2, t0",
         "slli t0, t2, 1",
-        "bgez t2, 71f",
-        "li t0, -1",
-        "71:",
+        "bltz t2, 73f",
+        // The name is for those who count hits.
+        "microlux_facets_met:",
+        "74:",
         // Weights of b and c: a2, a3.
         "mulhu a2, a2, t0",
         "mulhu a3, a3, t0",
@@ -418,13 +437,11 @@ pub(crate) unsafe extern "C" fn front() {
         "add a3, a3, t4",
         "srli a2, a2, 15",
         "srli a3, a3, 15",
-        "bleu a2, t5, 72f",
-        "mv a2, t5",
-        "72:",
+        "bgtu a2, t5, 75f",
+        "76:",
         "sub t5, t5, a2",
-        "bleu a3, t5, 73f",
-        "mv a3, t5",
-        "73:",
+        "bgtu a3, t5, 77f",
+        "78:",
         // Depths: of a in t2, and what b and c have more, t0 and t1.
         "lw t3, {scales}(a7)",
         "lw t6, {plane}(a7)",
@@ -446,11 +463,8 @@ pub(crate) unsafe extern "C" fn front() {
         "add t0, t0, t2",
         "blez t0, 59b",
         // The nearest, and of equals the first.
-        "blt t0, t5, 75f",
-        "bne t0, t5, 59b",
-        "lw t5, {triangle}(a7)",
-        "bgeu s10, t5, 59b",
-        "75:",
+        "bge t0, t5, 80f",
+        "79:",
         "sw a2, {b1}(a7)",
         "sw a3, {b2}(a7)",
         "lw t1, {flip}(a7)",
@@ -473,9 +487,24 @@ pub(crate) unsafe extern "C" fn front() {
         "addi t0, t0, -1",
         "add t0, t0, t2",
         "sw t0, {limit}(a7)",
-        "beqz t5, 59b",
         "li t0, 1",
+        "beqz t5, 59b",
         "ret",
+        // What is not usual.
+        "73:",
+        "li t0, -1",
+        "j 74b",
+        "75:",
+        "mv a2, t5",
+        "j 76b",
+        "77:",
+        "mv a3, t5",
+        "j 78b",
+        "80:",
+        "bne t0, t5, 59b",
+        "lw t5, {triangle}(a7)",
+        "bltu s10, t5, 79b",
+        "j 59b",
         front!("30", "0", "2", "4"),
         front!("31", "2", "4", "0"),
         front!("32", "4", "0", "2"),
@@ -489,6 +518,7 @@ pub(crate) unsafe extern "C" fn front() {
         ".word 30b, 31b, 32b",
         ".popsection",
         ".option pop",
+        zeros = sym ZEROS,
         front = const Facets::FRONT,
         scales = const offset_of!(Facets, scales),
         range = const Facets::RANGE,

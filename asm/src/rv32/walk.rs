@@ -190,10 +190,10 @@ macro_rules! child {
     ($at:literal, $bit:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal) => {
         concat!(
             "lbu t0, ", $k, "+", $at, "(s0); lbu t1, ", $k, "+4+", $at, "(s0);",
-            "lbu a5, ", $a, "+", $at, "(s0); mul t2, s2, ", $most1, "; slli a5, a5, 13; sub a5, a5, t2; blt a1, a5, 3f;",
             "lbu a5, ", $a, "+4+", $at, "(s0); mul t2, s2, ", $least1, "; slli a5, a5, 13; sub a5, a5, t2; blt a5, a1, 3f;",
-            "lbu a5, ", $b, "+", $at, "(s0); mul t2, s3, ", $most2, "; slli a5, a5, 13; sub a5, a5, t2; blt a2, a5, 3f;",
+            "lbu a5, ", $a, "+", $at, "(s0); mul t2, s2, ", $most1, "; slli a5, a5, 13; sub a5, a5, t2; blt a1, a5, 3f;",
             "lbu a5, ", $b, "+4+", $at, "(s0); mul t2, s3, ", $least2, "; slli a5, a5, 13; sub a5, a5, t2; blt a5, a2, 3f;",
+            "lbu a5, ", $b, "+", $at, "(s0); mul t2, s3, ", $most2, "; slli a5, a5, 13; sub a5, a5, t2; blt a2, a5, 3f;",
             "blt t1, a3, 3f; blt a4, t0, 3f;",
             "addi s1, s1, ", $bit, "; 3:",
         )
@@ -569,12 +569,6 @@ unsafe extern "C" fn step(
         "32:",
         "bnez s1, 40f",
         "jr t5",
-        // A leaf alone, at t2.
-        "39:",
-        "lw a7, {facets}(a0)",
-        "beqz a7, 41f",
-        "li s1, 1",
-        "j 43f",
         // Leaves in s1, the node that comes next in t3; the first primitive to t4.
         "40:",
         "lw a7, {facets}(a0)",
@@ -602,6 +596,11 @@ unsafe extern "C" fn step(
         meta!("1", "2"),
         meta!("0", "1"),
         "j 26b",
+        // A leaf alone, at t2.
+        "39:",
+        "lw a7, {facets}(a0)",
+        "beqz a7, 41b",
+        "li s1, 1",
         // Each leaf's triangles, from the one at t2.
         "43:",
         "lhu t4, 38(s0)",
@@ -622,10 +621,7 @@ unsafe extern "C" fn step(
         "lw a0, {vertices}(a7)",
         "sw t4, 60(sp)",
         "lla ra, 46f",
-        "j 45f",
         "44:",
-        "lw t4, 60(sp)",
-        "45:",
         "andi t0, s1, 1",
         "srli s1, s1, 1",
         "beqz t0, 46f",
@@ -643,6 +639,7 @@ unsafe extern "C" fn step(
         "bgeu s10, s11, 46f",
         "jr t6",
         "46:",
+        "lw t4, 60(sp)",
         "addi s0, s0, 1",
         "bnez s1, 44b",
         "lw a0, 52(sp)",
