@@ -1,7 +1,7 @@
 use crate::geom::{Dir, Point, Ray};
 #[cfg(not(assembly))]
 use crate::num::{leading_zeros, short_recip};
-use crate::num::{mul_q16, mul_shift, mul_shift_brief, recip, recip_of_large};
+use crate::num::{mul_hi_signed, mul_q16, mul_shift, mul_shift_brief, recip, recip_of_large};
 
 /// Fraction bits of a slope.
 pub(crate) const SLOPE_BITS: u32 = 13;
@@ -376,7 +376,12 @@ impl GridRay {
     /// Never falls as the depth grows. Error −2 ..= 0 units and 2^-28 of the distance.
     #[inline]
     pub(crate) fn distance(&self, depth: i32) -> i32 {
-        let beyond = mul_shift(depth, self.inverse, 30 + DEPTH_BITS - self.shift as u32);
+        let beyond = if cfg!(narrow_mul) {
+            mul_shift(depth, self.inverse, 30 + DEPTH_BITS - self.shift as u32)
+        } else {
+            // 2^20 · 2^8
+            mul_hi_signed(depth << self.shift, self.inverse) >> (DEPTH_BITS - 2)
+        };
         self.start.saturating_add(beyond).max(1)
     }
 
