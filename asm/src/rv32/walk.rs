@@ -98,8 +98,7 @@ pub struct Walk<'a> {
 /// Of an axis across.
 #[repr(C)]
 struct Across {
-    /// The slope's sign, and that · 2^13.
-    sign: i32,
+    /// The slope's sign · 2^13.
     step: i32,
     /// Of the planes that the ray comes to first, bytes from a node's first.
     face: u32,
@@ -200,12 +199,13 @@ macro_rules! child {
     };
 }
 
-/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to several children in s1, with t3 all ones.
+/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to several children in s1, with
+/// t3 all ones and bounds negated where slopes fall.
 ///
 /// Then s0 is the node, t4 its origin along the axis, ra its exponent, a1 and a2 are the bounds across.
 #[rustfmt::skip]
 macro_rules! node {
-    ($node:literal, $axis:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal) => {
+    ($node:literal, $axis:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal, $negate:literal) => {
         concat!(
             "3: addi t0, t3, 1; bnez t0, 2f; j 25b;",
             $node, ": bgeu t6, t3, 1f;",
@@ -226,7 +226,7 @@ macro_rules! node {
             // Straight on to a single one.
             "srli t0, s1, 1; srli t1, s1, 3; sub t0, t0, t1; add t2, t0, s0; lb t0, 24(t2); lhu t3, 36(s0); bgez t0, 6f;",
             "andi t0, t0, 3; add t3, t3, t0; slli t3, t3, 16; j 4b;",
-            "5: lw t0, {several}(a0); li t3, -1; jr t0; 6: li t3, -1; j 39f;",
+            "5: lw t0, {several}(a0);", $negate, "li t3, -1; jr t0; 6: li t3, -1; j 39f;",
         )
     };
 }
@@ -235,10 +235,10 @@ macro_rules! node {
 macro_rules! nodes {
     ($first:literal, $second:literal, $third:literal, $fourth:literal, $axis:literal, $k:literal, $a:literal, $b:literal) => {
         concat!(
-            node!($first, $axis, $k, $a, $b, "t1", "t0", "t1", "t0"),
-            node!($second, $axis, $k, $a, $b, "t1", "t0", "t0", "t1"),
-            node!($third, $axis, $k, $a, $b, "t0", "t1", "t1", "t0"),
-            node!($fourth, $axis, $k, $a, $b, "t0", "t1", "t0", "t1"),
+            node!($first, $axis, $k, $a, $b, "t1", "t0", "t1", "t0", ""),
+            node!($second, $axis, $k, $a, $b, "t1", "t0", "t0", "t1", "neg a2, a2;"),
+            node!($third, $axis, $k, $a, $b, "t0", "t1", "t1", "t0", "neg a1, a1;"),
+            node!($fourth, $axis, $k, $a, $b, "t0", "t1", "t0", "t1", "neg a1, a1; neg a2, a2;"),
         )
     };
 }
@@ -250,8 +250,8 @@ macro_rules! across {
     ($slope:literal, $planes:literal, $at:literal, $beyond:literal, $recip:literal) => {
         concat!(
             "srai t0, ", $slope, ", 31; xor t1, ", $slope, ", t0; sub t1, t1, t0;",
-            "xor t2, t0, a6; andi t2, t2, 4; add t2, t2, ", $planes, "; sw t2, ", $at, "+8(a0);",
-            "ori t2, t0, 1; sw t2, ", $at, "(a0); slli t2, t2, 13; sw t2, ", $at, "+4(a0);",
+            "xor t2, t0, a6; andi t2, t2, 4; add t2, t2, ", $planes, "; sw t2, ", $at, "+4(a0);",
+            "ori t2, t0, 1; slli t2, t2, 13; sw t2, ", $at, "(a0);",
             "srli ", $beyond, ", t1, 8; beqz ", $beyond, ", 4f; slli ", $beyond, ", t1, 8; li t0, 8;",
             // Up to bit 15.
             "srli t3, t1, 12; bnez t3, 3f; slli t1, t1, 4; addi t0, t0, -4; 3:",
@@ -260,8 +260,8 @@ macro_rules! across {
             // A guess and a Newton step.
             "srli t3, t1, 7; andi t3, t3, 0xfe; add t3, t3, a3; lhu t3, 0(t3); lui t2, 0x80000;",
             "mul t1, t1, t3; sub t1, t2, t1; srai t1, t1, 9; mul t1, t1, t3; srai t1, t1, 22;",
-            "add t1, t1, t3; srl ", $recip, ", t1, t0; sw ", $recip, ", ", $at, "+16(a0);",
-            "4: sw ", $beyond, ", ", $at, "+12(a0);",
+            "add t1, t1, t3; srl ", $recip, ", t1, t0; sw ", $recip, ", ", $at, "+12(a0);",
+            "4: sw ", $beyond, ", ", $at, "+8(a0);",
         )
     };
 }
@@ -295,7 +295,7 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         "lw a6, {flip}(a0)",
         set_up!("a4", "a5", "a7"),
         across!("a4", "t5", "{across}", "a1", "a7"),
-        across!("a5", "t6", "{across}+20", "a1", "a7"),
+        across!("a5", "t6", "{across}+16", "a1", "a7"),
         "9:",
         "ret",
         ".option pop",
@@ -395,8 +395,8 @@ macro_rules! begin_entry {
     () => {
         concat!(
             "lw a3, {face}(a0); lw a4, {face1}(a0); lw s10, {face2}(a0); lw s11, {beyond2}(a0);",
-            "lw t0, {sign1}(a0); lw t1, {sign2}(a0); lw t2, {plane}(a0);",
-            "add a3, a3, s0; add a4, a4, s0; add s10, s10, s0; mul a1, a1, t0; mul a2, a2, t1;",
+            "lw t2, {plane}(a0);",
+            "add a3, a3, s0; add a4, a4, s0; add s10, s10, s0;",
         )
     };
 }
@@ -471,7 +471,7 @@ unsafe extern "C" fn step(
         "li a2, {entry}",
         set_up!("s2", "s3", "a5"),
         across!("s2", "t5", "{across}", "s8", "s7"),
-        across!("s3", "t6", "{across}+20", "t4", "s9"),
+        across!("s3", "t6", "{across}+16", "t4", "s9"),
         "9:",
         "mv t5, a5",
         "mv t2, a6",
@@ -687,12 +687,10 @@ unsafe extern "C" fn step(
         next = const offset_of!(Walk, next),
         facets = const offset_of!(Walk, facets),
         face = const offset_of!(Walk, face),
-        sign1 = const offset_of!(Walk, across) + offset_of!(Across, sign),
         step1 = const offset_of!(Walk, across) + offset_of!(Across, step),
         face1 = const offset_of!(Walk, across) + offset_of!(Across, face),
         beyond1 = const offset_of!(Walk, across) + offset_of!(Across, beyond),
         recip1 = const offset_of!(Walk, across) + offset_of!(Across, recip),
-        sign2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, sign),
         step2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, step),
         face2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, face),
         beyond2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, beyond),
