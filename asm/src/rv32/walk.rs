@@ -98,10 +98,6 @@ pub struct Walk<'a> {
 /// Of an axis across.
 #[repr(C)]
 struct Across {
-    /// The slope's sign · 2^13.
-    step: i32,
-    /// Of the planes that the ray comes to first, bytes from a node's first.
-    face: u32,
     /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
     beyond: u32,
     /// 2^23 over the slope's size.
@@ -199,19 +195,23 @@ macro_rules! child {
     };
 }
 
-/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes; on to several children in s1, with
-/// t3 all ones and bounds negated where slopes fall.
+/// From label `$node` on: what waits, or the node in t3, for one dominant axis and signs of slopes. Several children in s1 are
+/// put in their places with t3 all ones; by where the ray enters, at the label that ends in 1, or 2 for a ray down the axis.
 ///
 /// Then s0 is the node, t4 its origin along the axis, ra its exponent, a1 and a2 are the bounds across.
 #[rustfmt::skip]
 macro_rules! node {
-    ($node:literal, $axis:literal, $k:literal, $a:literal, $b:literal, $most1:literal, $least1:literal, $most2:literal, $least2:literal, $negate:literal) => {
+    (
+        $node:literal, $axis:literal, $k:literal, $a:literal, $b:literal,
+        $most1:literal, $least1:literal, $most2:literal, $least2:literal,
+        $aside1:literal, $aside2:literal, $up1:literal, $up2:literal, $down1:literal, $down2:literal
+    ) => {
         concat!(
-            "3: addi t0, t3, 1; bnez t0, 2f; j 25b;",
-            $node, ": bgeu t6, t3, 1f;",
-            "2: lw t3, 0(s6); addi s6, s6, -4; bltu t6, t3, 3b;",
-            "1: slli t3, t3, 16;",
-            "4: bltu s11, t3, 2b;",
+            "3: addi t0, t3, 1; bnez t0, 22f; j 25b;",
+            $node, ": bgeu t6, t3, 21f;",
+            "22: lw t3, 0(s6); addi s6, s6, -4; bltu t6, t3, 3b;",
+            "21: slli t3, t3, 16;",
+            "4: bltu s11, t3, 22b;",
             "microlux_walk_", $axis, $node, "_node:",
             "lui t0, {stride}; mulhu s0, t3, t0; add s0, s0, s10;",
             "lhu t4, 28+", $k, "/4(s0); lhu a5, 28+", $a, "/4(s0); lbu ra, 34(s0);",
@@ -222,11 +222,17 @@ macro_rules! node {
             child!("1", "2", $k, $a, $b, $most1, $least1, $most2, $least2),
             child!("2", "4", $k, $a, $b, $most1, $least1, $most2, $least2),
             child!("3", "8", $k, $a, $b, $most1, $least1, $most2, $least2),
-            "beqz s1, 2b; addi t0, s1, -1; and t0, t0, s1; bnez t0, 5f;",
+            "beqz s1, 22b; addi t0, s1, -1; and t0, t0, s1; bnez t0, 5f;",
             // Straight on to a single one.
             "srli t0, s1, 1; srli t1, s1, 3; sub t0, t0, t1; add t2, t0, s0; lb t0, 24(t2); lhu t3, 36(s0); bgez t0, 6f;",
             "andi t0, t0, 3; add t3, t3, t0; slli t3, t3, 16; j 4b;",
-            "5: lw t0, {several}(a0);", $negate, "li t3, -1; jr t0; 6: li t3, -1; j 39f;",
+            "6: li t3, -1; j 39f;",
+            "5: lw t0, {several}(a0); li t3, -1; jr t0;",
+            // Of three planes the last that the ray comes to: on its way up, the low one along the axis.
+            $node, "1: lw t2, {plane}(a0); li t0, 1; sub t4, t4, t2; sll t0, t0, ra; sub t4, t4, t0; lw a3, {beyond2}(a0); lhu a4, 36(s0);",
+            each!("bnez s1, 7f; bgeu t6, t3, 21b; j 22b; 7: j 40f;", entry, $k, $a, $up1, $b, $up2, $aside1, $aside2, "1", "bge", "add t1, t1, t4"),
+            $node, "2: lw t2, {plane}(a0); li t0, 3; sub t4, t2, t4; sll t0, t0, ra; sub t4, t4, t0; lw a3, {beyond2}(a0); lhu a4, 36(s0);",
+            each!("bnez s1, 7f; bgeu t6, t3, 21b; j 22b; 7: j 40f;", entry, concat!($k, "+4"), $a, $down1, $b, $down2, $aside1, $aside2, "-3", "ble", "sub t1, t4, t1"),
         )
     };
 }
@@ -235,23 +241,20 @@ macro_rules! node {
 macro_rules! nodes {
     ($first:literal, $second:literal, $third:literal, $fourth:literal, $axis:literal, $k:literal, $a:literal, $b:literal) => {
         concat!(
-            node!($first, $axis, $k, $a, $b, "t1", "t0", "t1", "t0", ""),
-            node!($second, $axis, $k, $a, $b, "t1", "t0", "t0", "t1", "neg a2, a2;"),
-            node!($third, $axis, $k, $a, $b, "t0", "t1", "t1", "t0", "neg a1, a1;"),
-            node!($fourth, $axis, $k, $a, $b, "t0", "t1", "t0", "t1", "neg a1, a1; neg a2, a2;"),
+            node!($first, $axis, $k, $a, $b, "t1", "t0", "t1", "t0", "t2, a1", "t2, a2", "0", "0", "4", "4"),
+            node!($second, $axis, $k, $a, $b, "t1", "t0", "t0", "t1", "t2, a1", "a2, t2", "0", "4", "4", "0"),
+            node!($third, $axis, $k, $a, $b, "t0", "t1", "t1", "t0", "a1, t2", "t2, a2", "4", "0", "0", "4"),
+            node!($fourth, $axis, $k, $a, $b, "t0", "t1", "t0", "t1", "a1, t2", "a2, t2", "4", "4", "0", "0"),
         )
     };
 }
 
-/// What tells where the ray comes to an axis' planes: of its slope in `$slope`, whose planes begin at `$planes`; into `$at` of a0.
-/// Of the way aside, the bound and the reciprocal stay.
+/// What tells where the ray comes to an axis' planes: of its slope in `$slope`, into `$at` of a0; the two stay, too.
 #[rustfmt::skip]
 macro_rules! across {
-    ($slope:literal, $planes:literal, $at:literal, $beyond:literal, $recip:literal) => {
+    ($slope:literal, $at:literal, $beyond:literal, $recip:literal) => {
         concat!(
             "srai t0, ", $slope, ", 31; xor t1, ", $slope, ", t0; sub t1, t1, t0;",
-            "xor t2, t0, a6; andi t2, t2, 4; add t2, t2, ", $planes, "; sw t2, ", $at, "+4(a0);",
-            "ori t2, t0, 1; slli t2, t2, 13; sw t2, ", $at, "(a0);",
             "srli ", $beyond, ", t1, 8; beqz ", $beyond, ", 4f; slli ", $beyond, ", t1, 8; li t0, 8;",
             // Up to bit 15.
             "srli t3, t1, 12; bnez t3, 3f; slli t1, t1, 4; addi t0, t0, -4; 3:",
@@ -260,23 +263,21 @@ macro_rules! across {
             // A guess and a Newton step.
             "srli t3, t1, 7; andi t3, t3, 0xfe; add t3, t3, a3; lhu t3, 0(t3); lui t2, 0x80000;",
             "mul t1, t1, t3; sub t1, t2, t1; srai t1, t1, 9; mul t1, t1, t3; srai t1, t1, 22;",
-            "add t1, t1, t3; srl ", $recip, ", t1, t0; sw ", $recip, ", ", $at, "+12(a0);",
-            "4: sw ", $beyond, ", ", $at, "+8(a0);",
+            "add t1, t1, t3; srl ", $recip, ", t1, t0; sw ", $recip, ", ", $at, "+4(a0);",
+            "4: sw ", $beyond, ", ", $at, "(a0);",
         )
     };
 }
 
-/// Where nodes are looked at, into `$node`, and several children in order a2: a0: walk. a1: axis. a6: flip. On to 9 if nothing
-/// more is wanted of the slopes; else the planes across begin at t5 and t6.
+/// Where nodes are looked at, into `$node`, and in t0 where several of their children are, by where the ray enters. a0: walk.
+/// a1: axis. a6: flip, of which four bytes stay in t1. t4: the table.
 #[rustfmt::skip]
-macro_rules! set_up {
+macro_rules! places {
     ($slope1:literal, $slope2:literal, $node:literal) => {
         concat!(
-            "srli t0, ", $slope1, ", 31; srli t1, ", $slope2, ", 31; slli t0, t0, 3; slli t1, t1, 2;",
-            "slli t2, a1, 4; add t0, t0, t1; add t0, t0, t2; lla t4, microlux_walk_places; add t0, t0, t4;",
-            "lw ", $node, ", 0(t0); slli t2, a1, 3; andi t1, a6, 4; add t0, t4, t2; add t2, t2, t1; sw ", $node, ", {node}(a0); sw t2, {face}(a0);",
-            "li t3, {any}; beq a2, t3, 1f; add a2, a2, t1; 1: add t4, t4, a2; lw t4, 0(t4); li t3, {entry};",
-            "lw t5, 68(t0); lw t6, 72(t0); sw t4, {several}(a0); bltu a2, t3, 9f;",
+            "srli t0, ", $slope1, ", 31; srli t1, ", $slope2, ", 31; slli t0, t0, 3; slli t1, t1, 2; slli t2, a1, 4;",
+            "add t0, t0, t1; add t0, t0, t2; lla t4, microlux_walk_places; add t2, t4, t0; slli t0, t0, 1;",
+            "lw ", $node, ", 0(t2); andi t1, a6, 4; add t0, t0, t4; add t0, t0, t1; lw t0, {entry}(t0); sw ", $node, ", {node}(a0);",
         )
     };
 }
@@ -293,10 +294,25 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         "lw a4, {slopes}(a0)",
         "lw a5, {slopes} + 4(a0)",
         "lw a6, {flip}(a0)",
-        set_up!("a4", "a5", "a7"),
-        across!("a4", "t5", "{across}", "a1", "a7"),
-        across!("a5", "t6", "{across}+16", "a1", "a7"),
-        "9:",
+        places!("a4", "a5", "a7"),
+        "li t2, {entry}",
+        "beq a2, t2, 8f",
+        // Another order, which wants nothing of the slopes.
+        "slli t2, a1, 3",
+        "add t2, t2, t1",
+        "sw t2, {face}(a0)",
+        "li t2, {any}",
+        "beq a2, t2, 1f",
+        "add a2, a2, t1",
+        "1:",
+        "add t4, t4, a2",
+        "lw t4, 0(t4)",
+        "sw t4, {several}(a0)",
+        "ret",
+        "8:",
+        "sw t0, {several}(a0)",
+        across!("a4", "{across}", "a1", "a7"),
+        across!("a5", "{across}+8", "a1", "a7"),
         "ret",
         ".option pop",
         slopes = const offset_of!(Walk, slopes),
@@ -310,19 +326,22 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
     )
 }
 
-/// If child `$at`, which is at hand, is a node, its place among those of several, by where the ray enters.
+/// If child `$at`, which is at hand, is a node, its place among those of several, by where the ray enters: of faces along the axis
+/// and across, bytes from the node's first.
 #[rustfmt::skip]
 macro_rules! entry {
-    ($at:literal, $bit:literal, $labels:literal, $before:literal, $min:literal, $along:literal) => {
+    (
+        $at:literal, $bit:literal, $labels:literal, $face:expr, $a:literal, $face1:literal, $b:literal, $face2:literal,
+        $aside1:literal, $aside2:literal, $before:literal, $min:literal, $along:literal
+    ) => {
         concat!(
             "lb t0, 24+", $at, "(s0); andi t1, s1, ", $bit, "; beqz t1, 1", $labels, "f; bgez t0, 1", $labels, "f; addi s1, s1, -", $bit, ";",
-            "lbu t2, ", $at, "(a4); lw a5, {step1}(a0); lbu t1, ", $at, "(a3);",
-            "mul t2, t2, a5; sub t2, t2, a1; addi t1, t1, ", $before, "; bgeu t2, s8, 1f;",
+            "lbu t2, ", $a, "+", $face1, "+", $at, "(s0); lbu t1, ", $face, "+", $at, "(s0);",
+            "slli t2, t2, 13; sub t2, ", $aside1, "; addi t1, t1, ", $before, "; bgeu t2, s8, 1f;",
             "srli t2, t2, 5; mul t2, t2, s7; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
-            "lbu t2, ", $at, "(s10); lw a5, {step2}(a0); andi t0, t0, 3;",
-            "mul t2, t2, a5; sub t2, t2, a2; bgeu t2, s11, 1f;",
+            "lbu t2, ", $b, "+", $face2, "+", $at, "(s0); andi t0, t0, 3; slli t2, t2, 13; sub t2, ", $aside2, "; bgeu t2, a3, 1f;",
             "srli t2, t2, 5; mul t2, t2, s9; srli t2, t2, 18; ", $min, " t1, t2, 1f; mv t1, t2; 1:",
-            "lhu a5, 36(s0); sll t1, t1, ra; ", $along, "; add t0, t0, a5;",
+            "sll t1, t1, ra; ", $along, "; add t0, t0, a4;",
             place!($labels),
         )
     };
@@ -379,24 +398,12 @@ macro_rules! aside {
 
 #[rustfmt::skip]
 macro_rules! each {
-    ($end:literal, $what:ident $(, $argument:literal)*) => {
+    ($end:literal, $what:ident $(, $argument:expr)*) => {
         concat!(
             $what!("0", "1", "00" $(, $argument)*), $what!("1", "2", "01" $(, $argument)*),
             $what!("2", "4", "02" $(, $argument)*), $what!("3", "8", "03" $(, $argument)*),
-            "j ", $end, ";",
+            $end,
             aside!("0", "1", "00"), aside!("1", "2", "01"), aside!("2", "4", "02"), aside!("3", "8", "03"),
-        )
-    };
-}
-
-/// Faces and bounds of a node's several children, by what the walk has, and what an axis' depth of a plane lacks.
-#[rustfmt::skip]
-macro_rules! begin_entry {
-    () => {
-        concat!(
-            "lw a3, {face}(a0); lw a4, {face1}(a0); lw s10, {face2}(a0); lw s11, {beyond2}(a0);",
-            "lw t2, {plane}(a0);",
-            "add a3, a3, s0; add a4, a4, s0; add s10, s10, s0;",
         )
     };
 }
@@ -468,12 +475,10 @@ unsafe extern "C" fn step(
         "lw a6, {facets_flip}(a2)",
         "lw a3, {facets_recips}(a2)",
         "mv a1, a4",
-        "li a2, {entry}",
-        set_up!("s2", "s3", "a5"),
-        across!("s2", "t5", "{across}", "s8", "s7"),
-        across!("s3", "t6", "{across}+16", "t4", "s9"),
-        "9:",
-        "mv t5, a5",
+        places!("s2", "s3", "t5"),
+        "sw t0, {several}(a0)",
+        across!("s2", "{across}", "s8", "s7"),
+        across!("s3", "{across}+8", "t4", "s9"),
         "mv t2, a6",
         "lw t1, {facets_plane}(a7)",
         "lw t0, {depth}(a7)",
@@ -513,9 +518,9 @@ unsafe extern "C" fn step(
         ".globl microlux_walk_places",
         "microlux_walk_places:",
         ".word 60f, 61f, 62f, 63f, 64f, 65f, 66f, 67f, 68f, 69f, 70f, 71f",
-        ".word 80f, 81f, 82f, 83f, 84f",
-        // By the dominant axis, planes of the two that follow.
-        ".word 8, 16, 16, 0, 0, 8",
+        ".word 80f, 81f, 82f",
+        ".word 601f, 602f, 611f, 612f, 621f, 622f, 631f, 632f, 641f, 642f, 651f, 652f",
+        ".word 661f, 662f, 671f, 672f, 681f, 682f, 691f, 692f, 701f, 702f, 711f, 712f",
         // Here for its loops alone, which facets know.
         ".word {code}",
         ".popsection",
@@ -535,37 +540,19 @@ unsafe extern "C" fn step(
         nodes!("68", "69", "70", "71", "z", "16", "0", "8"),
         // Several children in s1.
         "80:",
-        each!("32f", any),
+        each!("j 32f;", any),
         "81:",
         "lw a3, {face}(a0)",
         "lw t2, {plane}(a0)",
         "add a3, a3, s0",
         "sub t4, t4, t2",
-        each!("32f", face, "add t1, t1, t4"),
+        each!("j 32f;", face, "add t1, t1, t4"),
         "82:",
         "lw a3, {face}(a0)",
         "lw t2, {plane}(a0)",
         "add a3, a3, s0",
         "sub t4, t2, t4",
-        each!("32f", face, "sub t1, t4, t1"),
-        // Of three planes the last that the ray comes to.
-        "83:",
-        begin_entry!(),
-        "li t0, 1",
-        "sub t4, t4, t2",
-        "sll t0, t0, ra",
-        "sub t4, t4, t0",
-        each!("31f", entry, "1", "bge", "add t1, t1, t4"),
-        "84:",
-        begin_entry!(),
-        "li t0, 3",
-        "sub t4, t2, t4",
-        "sll t0, t0, ra",
-        "sub t4, t4, t0",
-        each!("31f", entry, "-3", "ble", "sub t1, t4, t1"),
-        "31:",
-        "lw s10, {nodes}(a0)",
-        "lw s11, {last}(a0)",
+        each!("j 32f;", face, "sub t1, t4, t1"),
         "32:",
         "bnez s1, 40f",
         "jr t5",
@@ -665,7 +652,6 @@ unsafe extern "C" fn step(
         facets_plane = const Facets::PLANE,
         facets_flip = const Facets::FLIP,
         facets_recips = const Facets::RECIPS,
-        any = const Order::Any as u32,
         entry = const Order::Entry as u32,
         across = const offset_of!(Walk, across),
         range = const Facets::RANGE,
@@ -687,12 +673,8 @@ unsafe extern "C" fn step(
         next = const offset_of!(Walk, next),
         facets = const offset_of!(Walk, facets),
         face = const offset_of!(Walk, face),
-        step1 = const offset_of!(Walk, across) + offset_of!(Across, step),
-        face1 = const offset_of!(Walk, across) + offset_of!(Across, face),
         beyond1 = const offset_of!(Walk, across) + offset_of!(Across, beyond),
         recip1 = const offset_of!(Walk, across) + offset_of!(Across, recip),
-        step2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, step),
-        face2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, face),
         beyond2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, beyond),
         recip2 = const offset_of!(Walk, across) + size_of::<Across>() + offset_of!(Across, recip),
         waiting = const offset_of!(Walk, waiting),
