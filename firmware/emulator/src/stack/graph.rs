@@ -117,7 +117,10 @@ impl Graph {
                     Step::JumpPointer => node.calls_by_pointer |= !tables.contains(&start),
                     Step::Address(address) if functions.contains_key(&address) => {
                         if functions[&address].name == START {
-                            node.callees.insert(address);
+                            // In a function of Rust's it is a number that happens to be the same.
+                            if !function.name.contains("::") {
+                                node.callees.insert(address);
+                            }
                         } else {
                             pointed_at.insert(address);
                         }
