@@ -213,7 +213,7 @@ macro_rules! node {
             "21: slli t3, t3, 16;",
             "4: bltu s11, t3, 22b;",
             "microlux_walk_", $axis, $node, "_node:",
-            "lui t0, {stride}; mulhu s0, t3, t0; add s0, s0, s10;",
+            "mulhu s0, t3, t5; add s0, s0, s10;",
             "lhu t4, 28+", $k, "/4(s0); lhu a5, 28+", $a, "/4(s0); lbu ra, 34(s0);",
             "mul a1, s2, t4; slli a5, a5, 13; sub a1, a1, s4; sub a1, a1, a5; lhu a5, 28+", $b, "/4(s0); sra a1, a1, ra;",
             "mul a2, s3, t4; slli a5, a5, 13; sub a2, a2, s5; sub a2, a2, a5; sra a2, a2, ra;",
@@ -434,7 +434,7 @@ macro_rules! limits {
 macro_rules! registers {
     () => {
         concat!(
-            "lw s10, {nodes}(a0); lw s11, {last}(a0); lw t5, {node}(a0);",
+            "lw s10, {nodes}(a0); lw s11, {last}(a0); lw t0, {node}(a0); lui t5, {stride};",
             "lw s7, {recip1}(a0); lw s8, {beyond1}(a0); lw s9, {recip2}(a0);",
         )
     };
@@ -444,7 +444,7 @@ macro_rules! registers {
 /// nearest hit: a0: room for a walk. a1: nodes. a2: what looks at leaves. a3: the last node's index · 2^16. a4: axis.
 ///
 /// a0: walk. s2 to s5: slopes, offsets. s6: the last that waits. s10, s11: nodes, and the last one's index · 2^16. a6, a7:
-/// range along the axis. t6: the largest that may come next. t5: where nodes are looked at. s7, s8, s9: reciprocal and bound
+/// range along the axis. t6: the largest that may come next. t5: bytes of a node · 2^16. s7, s8, s9: reciprocal and bound
 /// of the first axis across, reciprocal of the second.
 ///
 /// # Safety
@@ -475,7 +475,8 @@ unsafe extern "C" fn step(
         "lw a6, {facets_flip}(a2)",
         "lw a3, {facets_recips}(a2)",
         "mv a1, a4",
-        places!("s2", "s3", "t5"),
+        places!("s2", "s3", "a5"),
+        "lui t5, {stride}",
         "sw t0, {several}(a0)",
         across!("s2", "{across}", "s8", "s7"),
         across!("s3", "{across}+8", "t4", "s9"),
@@ -495,7 +496,7 @@ unsafe extern "C" fn step(
         "li t1, -1",
         "sw t1, {stack}(a0)",
         "li t3, 0",
-        "jr t5",
+        "jr a5",
         "20:",
         "lw t1, {plane}(a0)",
         "lw t2, {flip}(a0)",
@@ -512,7 +513,7 @@ unsafe extern "C" fn step(
         registers!(),
         "li t1, -1",
         "sw t1, {stack}(a0)",
-        "jr t5",
+        "jr t0",
         ".pushsection .rodata.microlux_walk_places, \"a\"",
         ".balign 4",
         ".globl microlux_walk_places",
@@ -555,7 +556,8 @@ unsafe extern "C" fn step(
         each!("j 32f;", face, "sub t1, t4, t1"),
         "32:",
         "bnez s1, 40f",
-        "jr t5",
+        "lw t0, {node}(a0)",
+        "jr t0",
         // Leaves in s1, the node that comes next in t3; the first primitive to t4.
         "40:",
         "lw a7, {facets}(a0)",
@@ -638,7 +640,7 @@ unsafe extern "C" fn step(
         "lw a7, {range} + 4(a7)",
         "lw t3, {next}(a0)",
         registers!(),
-        "jr t5",
+        "jr t0",
         "47:",
         "mv s11, t3",
         "bgeu s10, s11, 46b",
