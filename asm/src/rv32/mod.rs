@@ -1,6 +1,7 @@
 //! For cores of RV32IM, which have registers for all of a ray.
 //!
-//! Neither the walk nor the triangles keep anything on the stack but what their callers want back.
+//! What a node's test wants stays in them over the walk; triangles take them over and hand them back. On the stack are what
+//! callers want back and, while triangles are looked at, three words of the walk.
 
 /// What the target has beside RV32I: the assembler is not told.
 #[cfg(target_feature = "c")]

@@ -159,7 +159,8 @@ impl Facets<'_> {
         {
             return;
         }
-        if self.depth() >= 0 && self.has_mesh() {
+        // SAFETY: it is asked of a mesh alone.
+        if self.depth() >= 0 && self.has_mesh() && unsafe { self.is_below_last() } {
             let mut place = MaybeUninit::<Walk>::uninit();
             let (nodes, last) = (nodes.as_ptr() as i32, (count as u32 - 1) << 16);
             // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
@@ -444,8 +445,11 @@ macro_rules! registers {
 /// nearest hit: a0: room for a walk. a1: nodes. a2: what looks at leaves. a3: the last node's index · 2^16. a4: axis.
 ///
 /// a0: walk. s2 to s5: slopes, offsets. s6: the last that waits. s10, s11: nodes, and the last one's index · 2^16. a6, a7:
-/// range along the axis. t6: the largest that may come next. t5: bytes of a node · 2^16. s7, s8, s9: reciprocal and bound
-/// of the first axis across, reciprocal of the second.
+/// range along the axis. t6: the largest that may come next. t5: bytes of a node · 2^16. s7, s8, s9: reciprocal and bound of
+/// the first axis across, reciprocal of the second. Looking at triangles takes all from s6 on.
+///
+/// Cycles: 65 a call, or 160 a ray to its nearest hit; 25 a node; 26 a child that is met, 8 to 25 one that is not; where several
+/// are met, 30 and 32 for each that is a node; 40 a node with leaves and 16 a leaf.
 ///
 /// # Safety
 ///
