@@ -4,7 +4,7 @@
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`] is
 //! the network's.
 //!
-//! Only ARM and RV32 have the assembly, RV32 without sums; elsewhere [`sums`] is [`plain`], and the rest is not there.
+//! Only ARMv6-M and RV32 have the assembly, RV32 without sums; elsewhere [`sums`] is [`plain`], and the rest is not there.
 
 #![no_std]
 
@@ -16,7 +16,7 @@ pub fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
     words: &[[u32; PAIRS]],
 ) -> [u32; PAIRS] {
-    #[cfg(target_arch = "arm")]
+    #[cfg(armv6m)]
     if matches!(PAIRS, 2..=4) && runs.iter().map(|run| run.len()).sum::<usize>() <= words.len() {
         return armv6m::sums::sums(runs, words);
     }
@@ -37,13 +37,18 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
     sums
 }
 
-#[cfg(target_arch = "arm")]
+#[cfg(armv6m)]
 mod armv6m;
-#[cfg(target_arch = "arm")]
-pub use armv6m::{
-    facets::{Corner, Facets, Met},
-    walk::{DEPTH_BITS, Leaves, Order, Ray, STACK, Walk},
-};
+#[cfg(armv6m)]
+mod facets;
+#[cfg(armv6m)]
+mod ray;
+#[cfg(armv6m)]
+pub use armv6m::walk::Walk;
+#[cfg(armv6m)]
+pub use facets::{Corner, Facets, Met};
+#[cfg(armv6m)]
+pub use ray::{DEPTH_BITS, Leaves, Order, Ray, STACK};
 
 #[cfg(target_arch = "riscv32")]
 mod rv32;

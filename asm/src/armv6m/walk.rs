@@ -3,70 +3,9 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use super::facets::{self, Facets};
-
-/// A ray as a tree's grid sees it.
-#[derive(Clone, Copy)]
-pub struct Ray {
-    /// Where it starts along its dominant axis, 0 ..= 65535.
-    pub plane: i32,
-    /// Steps across for one along the axis, Q13, within ±2^13.
-    pub slopes: [i32; 2],
-    /// What a place across, Q13, less its slope's share, lacks to lie on the ray.
-    pub offsets: [i32; 2],
-    /// Whether it goes down the axis.
-    pub negative: bool,
-    /// The dominant axis, 0 to 2; the slopes are of the two that follow.
-    pub axis: u8,
-}
-
-/// Which of a node's children comes first: a place in the table of [`step`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Order {
-    Any = 16,
-    /// By where its box begins along the dominant axis.
-    Face = 20,
-    /// By where the ray enters its box.
-    Entry = 28,
-}
-
-/// Bytes of a node.
-const NODE: usize = 40;
-/// Nodes that may wait: what is more is passed by.
-pub const STACK: usize = 40;
-/// Fraction bits of a triangle's depth.
-pub const DEPTH_BITS: u32 = 4;
-
-/// Leaves of a node that the ray may meet.
-#[derive(Clone, Copy)]
-pub struct Leaves {
-    base: u32,
-    metas: u32,
-}
-
-/// Beside a node's first primitive: no node comes after it.
-const LAST_BIT: u32 = 31;
-
-impl Leaves {
-    /// Of the node's leaves, the first primitive.
-    #[inline(always)]
-    pub fn base(self) -> u32 {
-        self.base & 0xff_ffff
-    }
-
-    /// A byte for each, as the node has it.
-    #[inline(always)]
-    pub fn metas(self) -> u32 {
-        self.metas
-    }
-
-    /// Whether no node comes after theirs.
-    #[inline(always)]
-    pub fn is_last(self) -> bool {
-        self.base >> LAST_BIT != 0
-    }
-}
+use super::facets;
+use crate::facets::Facets;
+use crate::ray::{DEPTH_BITS, LAST_BIT, Leaves, NODE, Order, Ray, STACK};
 
 /// Where a ray is in a tree, in the order in which [`step`] reads it.
 #[repr(C)]
@@ -122,6 +61,15 @@ struct Waiting {
     stack: MaybeUninit<[u32; STACK]>,
 }
 
+/// A place in the table of [`step`].
+const fn test_of(order: Order) -> u32 {
+    match order {
+        Order::Any => 16,
+        Order::Face => 20,
+        Order::Entry => 28,
+    }
+}
+
 const _: () = assert!(offset_of!(Walk, waiting) == offset_of!(Walk, depth) + size_of::<Depth>());
 
 impl<'a> Walk<'a> {
@@ -151,7 +99,7 @@ impl<'a> Walk<'a> {
             (*walk).facets = ptr::null_mut();
             (*walk).depth.plane = ray.plane;
             (*walk).waiting.bytes = 0;
-            begin(walk.cast(), u32::from(ray.axis.min(2)), order as u32, recips);
+            begin(walk.cast(), u32::from(ray.axis.min(2)), test_of(order), recips);
             Some(place.assume_init_mut())
         }
     }
@@ -307,8 +255,8 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         planes = const offset_of!(Walk, planes),
         across = const offset_of!(Walk, depth.across),
         depth = const offset_of!(Walk, depth),
-        any = const Order::Any as u32,
-        entry = const Order::Entry as u32,
+        any = const test_of(Order::Any),
+        entry = const test_of(Order::Entry),
     )
 }
 

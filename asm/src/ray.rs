@@ -1,0 +1,61 @@
+/// A ray as a tree's grid sees it.
+#[derive(Clone, Copy)]
+pub struct Ray {
+    /// Where it starts along its dominant axis, 0 ..= 65535.
+    pub plane: i32,
+    /// Steps across for one along the axis, Q13, within ±2^13.
+    pub slopes: [i32; 2],
+    /// What a place across, Q13, less its slope's share, lacks to lie on the ray.
+    pub offsets: [i32; 2],
+    /// Whether it goes down the axis.
+    pub negative: bool,
+    /// The dominant axis, 0 to 2; the slopes are of the two that follow.
+    pub axis: u8,
+}
+
+/// Which of a node's children comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    Any,
+    /// By where its box begins along the dominant axis.
+    Face,
+    /// By where the ray enters its box.
+    Entry,
+}
+
+/// Bytes of a node.
+pub(crate) const NODE: usize = 40;
+/// Nodes that may wait: what is more is passed by.
+pub const STACK: usize = 40;
+/// Fraction bits of a triangle's depth.
+pub const DEPTH_BITS: u32 = 4;
+
+/// Leaves of a node that the ray may meet.
+#[derive(Clone, Copy)]
+pub struct Leaves {
+    pub(crate) base: u32,
+    pub(crate) metas: u32,
+}
+
+/// Beside a node's first primitive: no node comes after it.
+pub(crate) const LAST_BIT: u32 = 31;
+
+impl Leaves {
+    /// Of the node's leaves, the first primitive.
+    #[inline(always)]
+    pub fn base(self) -> u32 {
+        self.base & 0xff_ffff
+    }
+
+    /// A byte for each, as the node has it.
+    #[inline(always)]
+    pub fn metas(self) -> u32 {
+        self.metas
+    }
+
+    /// Whether no node comes after theirs.
+    #[inline(always)]
+    pub fn is_last(self) -> bool {
+        self.base >> LAST_BIT != 0
+    }
+}
