@@ -5,15 +5,18 @@ fn main() {
     println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly)");
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
-    let is_narrow = target.starts_with("thumbv6m") || target.starts_with("thumbv8m.base");
+    let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
+    let is_narrow = is(&["thumbv6m", "thumbv8m.base"]);
     if is_narrow {
         println!("cargo::rustc-cfg=narrow_mul");
     }
     let features = std::env::var("CARGO_CFG_TARGET_FEATURE").unwrap_or_default();
-    if !is_narrow && (!target.starts_with("riscv") || features.split(',').any(|feature| feature == "zbb")) {
+    let has_zbb = features.split(,).any(|feature| feature == "zbb");
+    if !is_narrow && (!is(&["riscv"]) || has_zbb) {
         println!("cargo::rustc-cfg=counted_zeros");
     }
-    if (is_narrow || target.starts_with("riscv32im")) && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
+    let has_routines = is_narrow || is(&["thumbv7m", "thumbv7em", "thumbv8m.main", "riscv32im"]);
+    if has_routines && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
         println!("cargo::rustc-cfg=assembly");
     }
 }

@@ -1,10 +1,13 @@
-//! Says where there is assembly: `armv6m` on cores of ARMv6-M, and of ARMv8-M without its main extension.
+//! Says whose assembly the target takes: `armv6m` (and Armv8-M base) or `armv7m` (and Armv8-M main).
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(armv6m)");
+    println!("cargo::rustc-check-cfg=cfg(armv6m, armv7m)");
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
-    if target.starts_with("thumbv6m") || target.starts_with("thumbv8m.base") {
+    let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
+    if is(&["thumbv6m", "thumbv8m.base"]) {
         println!("cargo::rustc-cfg=armv6m");
+    } else if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
+        println!("cargo::rustc-cfg=armv7m");
     }
 }

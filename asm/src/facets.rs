@@ -2,7 +2,10 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
+#[cfg(armv6m)]
 use super::armv6m::facets::look;
+#[cfg(armv7m)]
+use super::armv7m::facets::{Scratch, look};
 use super::ray::Ray;
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far, in the order in which [`look`] reads it.
@@ -22,6 +25,9 @@ pub struct Facets<'a> {
     /// Whether to stop at what is nearer.
     pub(crate) once: u32,
     pub(crate) nearest: Nearest,
+    /// For [`look`] to keep things in.
+    #[cfg(armv7m)]
+    pub(crate) scratch: MaybeUninit<Scratch>,
     lists: PhantomData<&'a [[u16; 3]]>,
 }
 
@@ -107,6 +113,8 @@ impl<'a> Facets<'a> {
             recips,
             once: once.into(),
             nearest: Nearest::before(depth),
+            #[cfg(armv7m)]
+            scratch: MaybeUninit::uninit(),
             lists: PhantomData,
         }
     }
@@ -140,6 +148,8 @@ impl<'a> Facets<'a> {
             recips,
             once: once.into(),
             nearest: Nearest::before(depth),
+            #[cfg(armv7m)]
+            scratch: MaybeUninit::uninit(),
             lists: PhantomData,
         }
     }

@@ -4,7 +4,8 @@
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`] is
 //! the network's.
 //!
-//! Only ARMv6-M and RV32 have the assembly, RV32 without sums; elsewhere [`sums`] is [`plain`], and the rest is not there.
+//! Cores of ARMv6-M have all of it, those of ARMv7-M and RV32IM `Walk` and `Facets`; elsewhere [`sums`] is [`plain`], and the
+//! rest is not there.
 
 #![no_std]
 
@@ -39,15 +40,19 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
 
 #[cfg(armv6m)]
 mod armv6m;
-#[cfg(armv6m)]
+#[cfg(armv7m)]
+mod armv7m;
+#[cfg(any(armv6m, armv7m))]
 mod facets;
-#[cfg(armv6m)]
+#[cfg(any(armv6m, armv7m))]
 mod ray;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
-#[cfg(armv6m)]
+#[cfg(armv7m)]
+pub use armv7m::walk::Walk;
+#[cfg(any(armv6m, armv7m))]
 pub use facets::{Corner, Facets, Met};
-#[cfg(armv6m)]
+#[cfg(any(armv6m, armv7m))]
 pub use ray::{DEPTH_BITS, Leaves, Order, Ray, STACK};
 
 #[cfg(target_arch = "riscv32")]

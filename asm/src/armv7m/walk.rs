@@ -1,0 +1,335 @@
+use core::arch::naked_asm;
+use core::marker::PhantomData;
+use core::mem::{MaybeUninit, offset_of};
+use core::ptr;
+
+use super::facets;
+use crate::facets::Facets;
+use crate::ray::{DEPTH_BITS, LAST_BIT, Leaves, NODE, Order, Ray, STACK};
+
+/// Where a ray is in a tree.
+#[repr(C)]
+pub struct Walk<'a> {
+    nodes: *const u8,
+    count: u32,
+    /// Of the axes across, the ray's offsets, negated.
+    bounds: [i32; 2],
+    /// Where the ray may be met, along the axis; from the limit.
+    range: MaybeUninit<[i32; 2]>,
+    slopes: [i32; 2],
+    limit: MaybeUninit<i32>,
+    /// Of the nodes that wait, bytes.
+    waiting: u32,
+    /// All ones for a ray that goes down the axis.
+    flip: i32,
+    plane: i32,
+    across: [Across; 2],
+    /// From where depths are measured along the axis: so far off that all are 0, where any child may come first.
+    from: i32,
+    /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
+    next: u32,
+    /// What looks at leaves, if not the caller.
+    facets: *mut Facets<'static>,
+    /// Which code of [`step`] is the ray's: by its axis, by which slopes fall.
+    code: u32,
+    stack: MaybeUninit<[u32; STACK]>,
+    tree: PhantomData<&'a [u8]>,
+}
+
+/// What tells where a ray comes to an axis' planes.
+#[repr(C)]
+#[derive(Clone, Copy)]
+struct Across {
+    /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
+    beyond: u32,
+    /// 2^23 over the slope's size.
+    recip: u32,
+}
+
+impl Across {
+    const NONE: Across = Across { beyond: 0, recip: 0 };
+
+    #[inline(always)]
+    fn new(slope: i32, recips: &[u16; 128]) -> Across {
+        let size = slope.unsigned_abs();
+        if size < 1 << 8 {
+            return Across::NONE;
+        }
+        // 2 ..= 7
+        let zeros = size.leading_zeros() & 15;
+        let n = size << zeros;
+        let r = i32::from(recips[(n >> 8 & 127) as usize]);
+        let e = (1i32 << 31).wrapping_sub(n.wrapping_mul(r as u32) as i32);
+        Across {
+            beyond: size << 8,
+            recip: (r + (r.wrapping_mul(e >> 9) >> 22)) as u32 >> (8u32.wrapping_sub(zeros) & 31),
+        }
+    }
+}
+
+impl<'a> Walk<'a> {
+    /// At the root. `None` if `nodes`, 2-aligned, has less than `count` nodes of 40 bytes. `recips` are first guesses 2^47/n
+    /// by n's seven bits below the top one.
+    #[inline(always)]
+    pub fn begin<'w>(
+        place: &'w mut MaybeUninit<Walk<'a>>,
+        nodes: &'a [u8],
+        count: usize,
+        ray: &Ray,
+        order: Order,
+        recips: &[u16; 128],
+    ) -> Option<&'w mut Walk<'a>> {
+        if count > 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0 {
+            return None;
+        }
+        let flip = -i32::from(ray.negative);
+        let [s0, s1] = ray.slopes;
+        let across = match order {
+            Order::Entry => [Across::new(s0, recips), Across::new(s1, recips)],
+            _ => [Across::NONE; 2],
+        };
+        let from = match order {
+            Order::Any => ((1 << 30) ^ flip) - flip,
+            _ => ray.plane,
+        };
+        let walk = place.as_mut_ptr();
+        // SAFETY: what is not written here may stay as it is.
+        unsafe {
+            (*walk).nodes = nodes.as_ptr();
+            (*walk).count = count as u32;
+            (*walk).bounds = ray.offsets.map(i32::wrapping_neg);
+            (*walk).slopes = ray.slopes;
+            (*walk).waiting = 0;
+            (*walk).flip = flip;
+            (*walk).plane = ray.plane;
+            (*walk).across = across;
+            (*walk).from = from;
+            (*walk).next = 0;
+            (*walk).code = u32::from(ray.axis.min(2)) * 4 + u32::from(s0 < 0) * 2 + u32::from(s1 < 0);
+            Some(place.assume_init_mut())
+        }
+    }
+
+    /// On to the next node of which the ray may meet leaves before the limit.
+    #[inline(always)]
+    pub fn leaves(&mut self, limit: i32) -> Option<Leaves> {
+        if limit < 0 {
+            return None;
+        }
+        // SAFETY: `nodes` points to `count` nodes that outlive the walk, `code` is under 12, and the stack is as full as
+        // `waiting` says.
+        let found = unsafe { step(self, limit, ptr::null_mut()) };
+        let (base, metas) = (found as u32, (found >> 32) as u32);
+        (base != u32::MAX).then_some(Leaves { base, metas })
+    }
+}
+
+impl Walk<'_> {
+    /// Looks at the triangles of all leaves that the ray may meet before what it has met, in a mesh.
+    ///
+    /// The facets are of the same ray.
+    #[inline(always)]
+    pub fn look(&mut self, facets: &mut Facets) {
+        let limit = facets.depth() >> DEPTH_BITS;
+        if limit >= 0 && facets.has_mesh() {
+            // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
+            unsafe { step(self, limit, ptr::from_mut(facets).cast()) };
+        }
+    }
+}
+
+/// Planes of child `$slot` along the dominant axis, out of words: r3, r4.
+#[rustfmt::skip]
+macro_rules! planes {
+    ("0") => { "uxtb r3, r1; uxtb r4, r2;" };
+    ("1") => { "uxtb r3, r1, ror #8; uxtb r4, r2, ror #8;" };
+    ("2") => { "uxtb r3, r1, ror #16; uxtb r4, r2, ror #16;" };
+    ("3") => { "lsrs r3, r1, #24; lsrs r4, r2, #24;" };
+}
+
+/// Whether the ray meets child `$slot` of the node at r0: if so, its bit in r7, slot 0 the top one.
+///
+/// `$most` and `$least`: which of r3 and r4 makes most of a place across, and least.
+#[rustfmt::skip]
+macro_rules! child {
+    ($slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
+        concat!(
+            planes!($slot),
+            "ldrb r5, [r0, #", $x, " + ", $slot, "]; mla r6, r8, ", $most1, ", r10; cmp r6, r5, lsl #13; blt 3f;",
+            "ldrb r5, [r0, #", $x, " + 4 + ", $slot, "]; mla r6, r8, ", $least1, ", r10; cmp r6, r5, lsl #13; bgt 3f;",
+            "ldrb r5, [r0, #", $y, " + ", $slot, "]; mla r6, r9, ", $most2, ", r11; cmp r6, r5, lsl #13; blt 3f;",
+            "ldrb r5, [r0, #", $y, " + 4 + ", $slot, "]; mla r6, r9, ", $least2, ", r11; cmp r6, r5, lsl #13; bgt 3f;",
+            "cmp r4, r12; blt 3f; cmp r3, lr; bgt 3f;",
+            "orr r7, r7, #0x80000000 >> ", $slot, "; 3:",
+        )
+    };
+}
+
+/// Where the ray comes to the child at r3 across an axis, as planes along the dominant one: in r4 if it is `$later`.
+///
+/// `$aside`: how r5, Q13, and the bound make the way aside.
+#[rustfmt::skip]
+macro_rules! across {
+    ($face:tt, $side:tt, $aside:tt, $bound:tt, $beyond:tt, $recip:tt, $later:tt) => {
+        concat!(
+            "ldrb r5, [r3, #", $face, " + ", $side, "];", $aside, " r5, ", $bound, ", r5, lsl #13; cmp r5, ", $beyond, "; bhs 3f;",
+            "lsrs r5, r5, #5; mul r5, r5, ", $recip, "; cmp r4, r5, lsr #18; it ", $later, "; lsr", $later, " r4, r5, #18; 3:",
+        )
+    };
+}
+
+/// Of the children in r7 those that are nodes: the nearest to r2, the others wait. The leaves' bits move to the lower half.
+///
+/// `$side`: which of two planes the ray comes to first.
+#[rustfmt::skip]
+macro_rules! sort {
+    (
+        [$x:tt, $y:tt, $z:tt], [$side1:tt, $side2:tt, $side:tt], [$aside1:tt, $aside2:tt],
+        $before:tt, $later:tt, $after:tt
+    ) => {
+        concat!(
+            "mov r2, #-1;",
+            "4: clz r3, r7; mov r5, #0x80000000; lsrs r5, r3; eors r7, r5; add r3, r0; ldrb r6, [r3, #24]; tst r6, #0x80; beq 5f;",
+            "ldrb r4, [r3, #", $z, " + ", $side, "];", $before,
+            across!($x, $side1, $aside1, "r10", "r8", "r9", $later),
+            across!($y, $side2, $aside2, "r11", "r12", "lr", $later),
+            "ldrb r5, [r0, #34];", $after, "bic r4, r4, r4, asr #31;",
+            "ldrh r5, [r0, #36]; and r6, r6, #3; add r5, r6; bfi r5, r4, #16, #16;",
+            // The farther of two waits, if there are two.
+            "cmp r5, r2; ite lo; movlo r6, r2; movhs r6, r5; it lo; movlo r2, r5; adds r5, r6, #1; beq 6f;",
+            "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 6f;",
+            "adds r3, r5, r4; str r6, [r3, #{stack}]; adds r4, #4; str r4, [r5, #{waiting}];",
+            "6: lsrs r5, r7, #28; bne 4b; b 47f;",
+            "5: orr r7, r7, r5, lsr #16; b 6b;",
+        )
+    };
+}
+
+/// For one dominant axis, and for slopes that rise or fall; r3 is the walk.
+///
+/// r8, r9: slopes; r10, r11: bounds across; r12, lr: range along the axis; the last two are free where children are sorted,
+/// as are the slopes. On the stack: the walk, a node, its leaves.
+#[rustfmt::skip]
+macro_rules! walk {
+    (
+        $entry:tt, $number:tt, $along:tt, [$x:tt, $y:tt, $z:tt], [$ox:tt, $oy:tt, $oz:tt],
+        [$most1:tt, $least1:tt, $first1:tt, $last1:tt, $aside1:tt],
+        [$most2:tt, $least2:tt, $first2:tt, $last2:tt, $aside2:tt]
+    ) => {
+        concat!(
+            $entry, ":",
+            "ldr r4, [r3, #{next}]; ldrd r8, r9, [r3, #{slopes}];",
+            // The node in r4, or the last that waits, unless it is beyond the limit.
+            "30: ldrd r5, r6, [r3, #{limit}];",
+            "31: adds r7, r4, #1; beq 32f; cmp r5, r4, lsr #16; bhs 35f;",
+            "32: subs r6, #4; bmi 25f; adds r7, r3, r6; ldr r4, [r7, #{stack}]; cmp r5, r4, lsr #16; blo 32b;",
+            "str r6, [r3, #{waiting}]; b 35f;",
+            "33: ldr r3, [sp]; ldrd r5, r6, [r3, #{limit}]; b 32b;",
+            // Node r4. The name is for those who count visits.
+            "microlux_walk_", $number, "_node:",
+            "35: uxth r4, r4; ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
+            "add r4, r4, r4, lsl #2; add r0, r2, r4, lsl #3;",
+            "ldrh r1, [r0, #", $oz, "]; ldrh r2, [r0, #", $ox, "]; ldrh r3, [r0, #", $oy, "]; ldrb r4, [r0, #34];",
+            // −across >> e of the origin, along both axes across.
+            "mla r10, r8, r1, r6; sub r10, r10, r2, lsl #13; asr r10, r10, r4;",
+            "mla r11, r9, r1, r7; sub r11, r11, r3, lsl #13; asr r11, r11, r4;",
+            "sub r12, r12, r1; asr r12, r12, r4; sub lr, lr, r1; asr lr, lr, r4;",
+            "ldr r1, [r0, #", $z, "]; ldr r2, [r0, #", $z, " + 4]; movs r7, #0;",
+            child!("0", $x, $y, $most1, $least1, $most2, $least2),
+            child!("1", $x, $y, $most1, $least1, $most2, $least2),
+            child!("2", $x, $y, $most1, $least1, $most2, $least2),
+            child!("3", $x, $y, $most1, $least1, $most2, $least2),
+            "ldr r3, [sp]; cmp r7, #0; bne 41f; ldrd r5, r6, [r3, #{limit}]; b 32b;",
+            // Straight on to a single one.
+            "41: clz r4, r7; lsl r5, r7, r4; lsls r5, r5, #1; bne 45f;",
+            "adds r5, r0, r4; ldrb r5, [r5, #24]; lsls r4, r5, #25; bcc 42f;",
+            "ldrh r4, [r0, #36]; and r5, r5, #3; add r4, r5; b 35b;",
+            "45: ldr r1, [r3, #{flip}]; ldrd r8, r9, [r3, #{across}]; ldrd r12, lr, [r3, #{across} + 8];",
+            "ldr r4, [r3, #{from}]; ldrh r2, [r0, #", $oz, "]; cmp r1, #0; bne 46f;",
+            "subs r1, r2, r4;",
+            sort!([$x, $y, $z], [$first1, $first2, "0"], [$aside1, $aside2], "adds r4, #1;", "lo", "subs r4, #1; lsls r4, r5; add r4, r1;"),
+            "46: subs r1, r4, r2;",
+            sort!([$x, $y, $z], [$last1, $last2, "4"], [$aside1, $aside2], "subs r4, #3;", "gt", "adds r4, #3; lsls r4, r5; subs r4, r1, r4;"),
+            "47: ldr r3, [sp]; mov r4, r2; lsls r7, r7, #16; bne 43f; ldrd r8, r9, [r3, #{slopes}]; b 30b;",
+            "42: mov r4, #-1;",
+            // Leaves in r7, the node that comes next in r4.
+            "43: str r4, [r3, #{next}]; ldr r1, [r3, #{facets}]; cmp r1, #0; beq 26f; str r0, [sp, #4];",
+            "44: clz r4, r7; mov r5, #0x80000000; lsrs r5, r4; eors r7, r5; str r7, [sp, #8];",
+            "ldrh r2, [r0, #38]; ldrb r3, [r0, #35]; add r0, r4; orr r2, r2, r3, lsl #16; ldrb r3, [r0, #24];",
+            "and r0, r3, #15; add r0, r2; add r2, r0, r3, lsr #4; bl {", $along, "};",
+            "ldrd r0, r7, [sp, #4]; cmp r7, #0; bne 44b;",
+            // What has been met is the limit.
+            "ldr r3, [sp]; ldr r5, [r1, #{met}]; ldrd r6, r7, [r3, #{flip}]; asrs r5, r5, #{bits}; str r5, [r3, #{limit}];",
+            "eor r2, r5, r6; subs r2, r2, r6; add r2, r7; add r6, r3, r6, lsl #2; str r2, [r6, #{range} + 4];",
+            "ldr r4, [r3, #{next}]; ldr r6, [r3, #{waiting}]; ldrd r8, r9, [r3, #{slopes}]; b 31b;",
+        )
+    };
+}
+
+/// [`walk!`] of slopes that rise and fall.
+#[rustfmt::skip]
+macro_rules! slopes {
+    ([$($entry:tt: $number:tt),*], $along:tt, $planes:tt, $origins:tt) => {
+        slopes!(@ [$([$entry, $number])*], $along, $planes, $origins, ["r4", "r3", "0", "4", "rsb"], ["r3", "r4", "4", "0", "sub"])
+    };
+    (@ [[$e0:tt, $n0:tt] [$e1:tt, $n1:tt] [$e2:tt, $n2:tt] [$e3:tt, $n3:tt]], $along:tt, $planes:tt, $origins:tt, $rise:tt, $fall:tt) => {
+        concat!(
+            walk!($e0, $n0, $along, $planes, $origins, $rise, $rise),
+            walk!($e1, $n1, $along, $planes, $origins, $rise, $fall),
+            walk!($e2, $n2, $along, $planes, $origins, $fall, $rise),
+            walk!($e3, $n3, $along, $planes, $origins, $fall, $fall),
+        )
+    };
+}
+
+/// r0: walk. r1: limit. r2: null, or what looks at leaves. A node's first primitive, and then its leaves; all ones for none.
+///
+/// # Safety
+///
+/// The walk is as [`Walk::begin`] made it, or as this has left it.
+#[unsafe(naked)]
+#[rustfmt::skip]
+unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
+    naked_asm!(
+        "push {{r4, r5, r6, r7, r8, r9, r10, r11, lr}}; sub sp, #12",
+        "mov r3, r0; str r3, [sp]; str r1, [r3, #{limit}]; str r2, [r3, #{facets}]",
+        // Backwards from −limit to 0 along the axis, else from 0 to the limit.
+        "ldrd r4, r5, [r3, #{flip}]; ands r4, r1; subs r5, r5, r4; str r5, [r3, #{range}]; add r5, r1; str r5, [r3, #{range} + 4]",
+        "ldr r4, [r3, #{code}]; tbh [pc, r4, lsl #1]",
+        "29: .hword (60f - 29b) / 2, (61f - 29b) / 2, (62f - 29b) / 2, (63f - 29b) / 2",
+        ".hword (64f - 29b) / 2, (65f - 29b) / 2, (66f - 29b) / 2, (67f - 29b) / 2",
+        ".hword (68f - 29b) / 2, (69f - 29b) / 2, (70f - 29b) / 2, (71f - 29b) / 2",
+        slopes!(["60": "0", "61": "1", "62": "2", "63": "3"], "along_x", ["8", "16", "0"], ["30", "32", "28"]),
+        slopes!(["64": "4", "65": "5", "66": "6", "67": "7"], "along_y", ["16", "0", "8"], ["32", "28", "30"]),
+        slopes!(["68": "8", "69": "9", "70": "10", "71": "11"], "along_z", ["0", "8", "16"], ["28", "30", "32"]),
+        // Nothing waits.
+        "25: mov r0, #-1; str r0, [r3, #{next}]",
+        "27: add sp, #12; pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
+        // Leaves in r7 of the node at r0, before r4: to the caller.
+        "26: ldrh r5, [r0, #38]; ldrb r6, [r0, #35]; orr r5, r5, r6, lsl #16",
+        "adds r4, #1; bne 3f; ldr r4, [r3, #{waiting}]; cmp r4, #0; it eq; orreq r5, r5, #1 << {last}; 3: movs r1, #0",
+        "tst r7, #0x10000000; itt ne; ldrbne r6, [r0, #27]; movne r1, r6",
+        "tst r7, #0x20000000; itt ne; ldrbne r6, [r0, #26]; orrne r1, r6, r1, lsl #8",
+        "tst r7, #0x40000000; itt ne; ldrbne r6, [r0, #25]; orrne r1, r6, r1, lsl #8",
+        "tst r7, #0x80000000; itt ne; ldrbne r6, [r0, #24]; orrne r1, r6, r1, lsl #8",
+        "mov r0, r5; b 27b",
+        along_x = sym facets::along_x,
+        along_y = sym facets::along_y,
+        along_z = sym facets::along_z,
+        across = const offset_of!(Walk, across),
+        bits = const DEPTH_BITS,
+        code = const offset_of!(Walk, code),
+        facets = const offset_of!(Walk, facets),
+        flip = const offset_of!(Walk, flip),
+        from = const offset_of!(Walk, from),
+        last = const LAST_BIT,
+        limit = const offset_of!(Walk, limit),
+        met = const Facets::DEPTH,
+        most = const 4 * STACK,
+        next = const offset_of!(Walk, next),
+        range = const offset_of!(Walk, range),
+        slopes = const offset_of!(Walk, slopes),
+        stack = const offset_of!(Walk, stack),
+        waiting = const offset_of!(Walk, waiting),
+    )
+}
