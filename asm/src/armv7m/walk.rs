@@ -23,9 +23,11 @@ pub struct Walk<'a> {
     /// All ones for a ray that goes down the axis.
     flip: i32,
     plane: i32,
-    across: [Across; 2],
     /// From where depths are measured along the axis: so far off that all are 0, where any child may come first.
     from: i32,
+    /// The flip once more, so that what orders children lies together.
+    fall: i32,
+    across: [Across; 2],
     /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
     next: u32,
     /// What looks at leaves, if not the caller.
@@ -104,6 +106,7 @@ impl<'a> Walk<'a> {
             (*walk).plane = ray.plane;
             (*walk).across = across;
             (*walk).from = from;
+            (*walk).fall = flip;
             (*walk).next = 0;
             (*walk).code = u32::from(ray.axis.min(2)) * 4 + u32::from(s0 < 0) * 2 + u32::from(s1 < 0);
             Some(place.assume_init_mut())
@@ -147,7 +150,8 @@ macro_rules! planes {
     ("3") => { "lsrs r3, r1, #24; lsrs r4, r2, #24;" };
 }
 
-/// Whether the ray meets child `$slot` of the node at r0: if so, its bit in r7, slot 0 the top one.
+/// Whether the ray meets child `$slot` of the node at r0: if so, its bit in r7, the top one of a byte, slot 0 the
+/// highest.
 ///
 /// `$most` and `$least`: which of r3 and r4 makes most of a place across, and least.
 #[rustfmt::skip]
@@ -160,7 +164,7 @@ macro_rules! child {
             "ldrb r5, [r0, #", $y, " + ", $slot, "]; mla r6, r9, ", $most2, ", r11; cmp r6, r5, lsl #13; blt 3f;",
             "ldrb r5, [r0, #", $y, " + 4 + ", $slot, "]; mla r6, r9, ", $least2, ", r11; cmp r6, r5, lsl #13; bgt 3f;",
             "cmp r4, r12; blt 3f; cmp r3, lr; bgt 3f;",
-            "orr r7, r7, #0x80000000 >> ", $slot, "; 3:",
+            "orr r7, r7, #0x80000000 >> (8 * ", $slot, "); 3:",
         )
     };
 }
@@ -178,7 +182,7 @@ macro_rules! across {
     };
 }
 
-/// Of the children in r7 those that are nodes: the nearest to r2, the others wait. The leaves' bits move to the lower half.
+/// Of the children in r7, all nodes: the nearest to r2, the others wait.
 ///
 /// `$side`: which of two planes the ray comes to first.
 #[rustfmt::skip]
@@ -188,19 +192,30 @@ macro_rules! sort {
         $before:tt, $later:tt, $after:tt
     ) => {
         concat!(
-            "mov r2, #-1;",
-            "4: clz r3, r7; mov r5, #0x80000000; lsrs r5, r3; eors r7, r5; add r3, r0; ldrb r6, [r3, #24]; tst r6, #0x80; beq 5f;",
-            "ldrb r4, [r3, #", $z, " + ", $side, "];", $before,
+            "mov r2, #-1; mov r3, r0;",
+            "4: clz r5, r7; lsls r7, r5; bic r7, r7, #0x80000000; add r3, r3, r5, lsr #3;",
+            "ldrb r6, [r3, #24]; ldrb r4, [r3, #", $z, " + ", $side, "];", $before,
             across!($x, $side1, $aside1, "r10", "r8", "r9", $later),
             across!($y, $side2, $aside2, "r11", "r12", "lr", $later),
             "ldrb r5, [r0, #34];", $after, "bic r4, r4, r4, asr #31;",
             "ldrh r5, [r0, #36]; and r6, r6, #3; add r5, r6; bfi r5, r4, #16, #16;",
-            // The farther of two waits, if there are two.
-            "cmp r5, r2; ite lo; movlo r6, r2; movhs r6, r5; it lo; movlo r2, r5; adds r5, r6, #1; beq 6f;",
+            // The farther of two waits.
+            "cmn r2, #1; beq 5f; cmp r5, r2; mov r6, r5; itt lo; movlo r6, r2; movlo r2, r5;",
             "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 6f;",
-            "adds r3, r5, r4; str r6, [r3, #{stack}]; adds r4, #4; str r4, [r5, #{waiting}];",
-            "6: lsrs r5, r7, #28; bne 4b; b 47f;",
-            "5: orr r7, r7, r5, lsr #16; b 6b;",
+            "adds r4, #4; str r4, [r5, #{waiting}]; add r5, r4; str r6, [r5, #{stack} - 4];",
+            "6: cmp r7, #0; bne 4b; b 47f;",
+            "5: mov r2, r5; cmp r7, #0; bne 4b;",
+        )
+    };
+}
+
+/// What has been met is the limit, from now on also r5; r3 is the walk.
+#[rustfmt::skip]
+macro_rules! limit {
+    () => {
+        concat!(
+            "ldr r3, [sp]; ldr r5, [r1, #{met}]; ldrd r6, r7, [r3, #{flip}]; asrs r5, r5, #{bits}; str r5, [r3, #{limit}];",
+            "eor r2, r5, r6; subs r2, r2, r6; add r2, r7; add r6, r3, r6, lsl #2; str r2, [r6, #{range} + 4];",
         )
     };
 }
@@ -217,17 +232,41 @@ macro_rules! walk {
         [$most2:tt, $least2:tt, $first2:tt, $last2:tt, $aside2:tt]
     ) => {
         concat!(
+            // Several leaves alone.
+            "49: mvn r2, #0; b 48f;",
+            "45: ldr r3, [sp]; ldr r6, [r0, #24]; rev r6, r6; bic r5, r7, r6; str r5, [sp, #8]; ands r7, r6; beq 49b;",
+            "adds r5, r3, #{across}; ldm r5, {{r4, r6, r8, r9, r12, lr}}; ldrh r2, [r0, #", $oz, "]; cmp r6, #0; bne 46f;",
+            "subs r1, r2, r4;",
+            sort!([$x, $y, $z], [$first1, $first2, "0"], [$aside1, $aside2], "adds r4, #1;", "lo", "subs r4, #1; lsls r4, r5; add r4, r1;"),
+            "b 47f;",
+            "46: subs r1, r4, r2;",
+            sort!([$x, $y, $z], [$last1, $last2, "4"], [$aside1, $aside2], "subs r4, #3;", "gt", "adds r4, #3; lsls r4, r5; subs r4, r1, r4;"),
+            "47: ldr r3, [sp];",
+            "48: ldr r7, [sp, #8]; mov r4, r2; cmp r7, #0; bne 43f;",
+            "ldrd r5, r6, [r3, #{limit}]; ldrd r8, r9, [r3, #{slopes}]; cmp r5, r4, lsr #16; bhs 35f; b 32f;",
+            // Leaves in r7, the node that comes next in r4.
+            "43: str r4, [r3, #{next}]; ldr r1, [r3, #{facets}]; cmp r1, #0; beq 26f; str r0, [sp, #4];",
+            "44: clz r4, r7; mov r5, #0x80000000; lsrs r5, r4; eors r7, r5; add r4, r0, r4, lsr #3; str r7, [sp, #8];",
+            "ldrb r5, [r4, #24]; ldrh r2, [r0, #38]; ldrb r3, [r0, #35];",
+            "and r0, r5, #15; add r0, r2; add r0, r0, r3, lsl #16; add r2, r0, r5, lsr #4; bl {", $along, "};",
+            "ldrd r0, r7, [sp, #4]; cmp r7, #0; bne 44b;",
+            limit!(),
+            "ldr r4, [r3, #{next}]; ldr r6, [r3, #{waiting}]; ldrd r8, r9, [r3, #{slopes}]; b 31f;",
+            // A single leaf.
+            "42: ldr r3, [sp]; ldr r1, [r3, #{facets}]; cmp r1, #0; beq 28f;",
+            "ldrh r2, [r0, #38]; ldrb r3, [r0, #35]; and r0, r5, #15; add r0, r2; add r0, r0, r3, lsl #16; add r2, r0, r5, lsr #4; bl {", $along, "};",
+            limit!(),
+            "ldr r6, [r3, #{waiting}]; ldrd r8, r9, [r3, #{slopes}]; b 32f;",
             $entry, ":",
-            "ldr r4, [r3, #{next}]; ldrd r8, r9, [r3, #{slopes}];",
+            "ldr r4, [r3, #{next}]; ldrd r8, r9, [r3, #{slopes}]; ldrd r5, r6, [r3, #{limit}];",
             // The node in r4, or the last that waits, unless it is beyond the limit.
-            "30: ldrd r5, r6, [r3, #{limit}];",
-            "31: adds r7, r4, #1; beq 32f; cmp r5, r4, lsr #16; bhs 35f;",
+            "31: adds r7, r4, #1; beq 32f; cmp r5, r4, lsr #16; bhs 35f; b 32f;",
+            "33: ldr r3, [sp]; ldrd r5, r6, [r3, #{limit}];",
             "32: subs r6, #4; bmi 25f; adds r7, r3, r6; ldr r4, [r7, #{stack}]; cmp r5, r4, lsr #16; blo 32b;",
-            "str r6, [r3, #{waiting}]; b 35f;",
-            "33: ldr r3, [sp]; ldrd r5, r6, [r3, #{limit}]; b 32b;",
+            "str r6, [r3, #{waiting}];",
+            "35: uxth r4, r4; ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
             // Node r4. The name is for those who count visits.
             "microlux_walk_", $number, "_node:",
-            "35: uxth r4, r4; ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
             "add r4, r4, r4, lsl #2; add r0, r2, r4, lsl #3;",
             "ldrh r1, [r0, #", $oz, "]; ldrh r2, [r0, #", $ox, "]; ldrh r3, [r0, #", $oy, "]; ldrb r4, [r0, #34];",
             // −across >> e of the origin, along both axes across.
@@ -239,29 +278,10 @@ macro_rules! walk {
             child!("1", $x, $y, $most1, $least1, $most2, $least2),
             child!("2", $x, $y, $most1, $least1, $most2, $least2),
             child!("3", $x, $y, $most1, $least1, $most2, $least2),
-            "ldr r3, [sp]; cmp r7, #0; bne 41f; ldrd r5, r6, [r3, #{limit}]; b 32b;",
+            "cmp r7, #0; beq 33b; subs r5, r7, #1; tst r5, r7; bne 45b;",
             // Straight on to a single one.
-            "41: clz r4, r7; lsl r5, r7, r4; lsls r5, r5, #1; bne 45f;",
-            "adds r5, r0, r4; ldrb r5, [r5, #24]; lsls r4, r5, #25; bcc 42f;",
-            "ldrh r4, [r0, #36]; and r5, r5, #3; add r4, r5; b 35b;",
-            "45: ldr r1, [r3, #{flip}]; ldrd r8, r9, [r3, #{across}]; ldrd r12, lr, [r3, #{across} + 8];",
-            "ldr r4, [r3, #{from}]; ldrh r2, [r0, #", $oz, "]; cmp r1, #0; bne 46f;",
-            "subs r1, r2, r4;",
-            sort!([$x, $y, $z], [$first1, $first2, "0"], [$aside1, $aside2], "adds r4, #1;", "lo", "subs r4, #1; lsls r4, r5; add r4, r1;"),
-            "46: subs r1, r4, r2;",
-            sort!([$x, $y, $z], [$last1, $last2, "4"], [$aside1, $aside2], "subs r4, #3;", "gt", "adds r4, #3; lsls r4, r5; subs r4, r1, r4;"),
-            "47: ldr r3, [sp]; mov r4, r2; lsls r7, r7, #16; bne 43f; ldrd r8, r9, [r3, #{slopes}]; b 30b;",
-            "42: mov r4, #-1;",
-            // Leaves in r7, the node that comes next in r4.
-            "43: str r4, [r3, #{next}]; ldr r1, [r3, #{facets}]; cmp r1, #0; beq 26f; str r0, [sp, #4];",
-            "44: clz r4, r7; mov r5, #0x80000000; lsrs r5, r4; eors r7, r5; str r7, [sp, #8];",
-            "ldrh r2, [r0, #38]; ldrb r3, [r0, #35]; add r0, r4; orr r2, r2, r3, lsl #16; ldrb r3, [r0, #24];",
-            "and r0, r3, #15; add r0, r2; add r2, r0, r3, lsr #4; bl {", $along, "};",
-            "ldrd r0, r7, [sp, #4]; cmp r7, #0; bne 44b;",
-            // What has been met is the limit.
-            "ldr r3, [sp]; ldr r5, [r1, #{met}]; ldrd r6, r7, [r3, #{flip}]; asrs r5, r5, #{bits}; str r5, [r3, #{limit}];",
-            "eor r2, r5, r6; subs r2, r2, r6; add r2, r7; add r6, r3, r6, lsl #2; str r2, [r6, #{range} + 4];",
-            "ldr r4, [r3, #{next}]; ldr r6, [r3, #{waiting}]; ldrd r8, r9, [r3, #{slopes}]; b 31b;",
+            "clz r4, r7; add r5, r0, r4, lsr #3; ldrb r5, [r5, #24]; lsls r4, r5, #25; bcc 42b;",
+            "ldrh r4, [r0, #36]; and r5, r5, #3; add r4, r5; ldr r3, [sp]; b 35b;",
         )
     };
 }
@@ -306,22 +326,22 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "25: mov r0, #-1; str r0, [r3, #{next}]",
         "27: add sp, #12; pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
         // Leaves in r7 of the node at r0, before r4: to the caller.
+        "28: mov r4, #-1; str r4, [r3, #{next}]",
         "26: ldrh r5, [r0, #38]; ldrb r6, [r0, #35]; orr r5, r5, r6, lsl #16",
         "adds r4, #1; bne 3f; ldr r4, [r3, #{waiting}]; cmp r4, #0; it eq; orreq r5, r5, #1 << {last}; 3: movs r1, #0",
-        "tst r7, #0x10000000; itt ne; ldrbne r6, [r0, #27]; movne r1, r6",
-        "tst r7, #0x20000000; itt ne; ldrbne r6, [r0, #26]; orrne r1, r6, r1, lsl #8",
-        "tst r7, #0x40000000; itt ne; ldrbne r6, [r0, #25]; orrne r1, r6, r1, lsl #8",
+        "tst r7, #0x80; itt ne; ldrbne r6, [r0, #27]; movne r1, r6",
+        "tst r7, #0x8000; itt ne; ldrbne r6, [r0, #26]; orrne r1, r6, r1, lsl #8",
+        "tst r7, #0x800000; itt ne; ldrbne r6, [r0, #25]; orrne r1, r6, r1, lsl #8",
         "tst r7, #0x80000000; itt ne; ldrbne r6, [r0, #24]; orrne r1, r6, r1, lsl #8",
         "mov r0, r5; b 27b",
         along_x = sym facets::along_x,
         along_y = sym facets::along_y,
         along_z = sym facets::along_z,
-        across = const offset_of!(Walk, across),
+        across = const offset_of!(Walk, from),
         bits = const DEPTH_BITS,
         code = const offset_of!(Walk, code),
         facets = const offset_of!(Walk, facets),
         flip = const offset_of!(Walk, flip),
-        from = const offset_of!(Walk, from),
         last = const LAST_BIT,
         limit = const offset_of!(Walk, limit),
         met = const Facets::DEPTH,
