@@ -22,7 +22,8 @@ pub struct Walk<'a> {
     waiting: u32,
     /// All ones for a ray that goes down the axis.
     flip: i32,
-    plane: i32,
+    /// Where it starts along the axis, one more if it goes down.
+    start: i32,
     /// From where depths are measured along the axis: so far off that all are 0, where any child may come first.
     from: i32,
     /// The flip once more, so that what orders children lies together.
@@ -49,22 +50,20 @@ struct Across {
 }
 
 impl Across {
-    const NONE: Across = Across { beyond: 0, recip: 0 };
-
     #[inline(always)]
     fn new(slope: i32, recips: &[u16; 128]) -> Across {
         let size = slope.unsigned_abs();
         if size < 1 << 8 {
-            return Across::NONE;
+            return Across { beyond: 0, recip: 0 };
         }
-        // 2 ..= 7
-        let zeros = size.leading_zeros() & 15;
+        // 2 ..= 7 zeros below the upper half.
+        let zeros = size.leading_zeros() & 7;
         let n = size << zeros;
         let r = i32::from(recips[(n >> 8 & 127) as usize]);
         let e = (1i32 << 31).wrapping_sub(n.wrapping_mul(r as u32) as i32);
         Across {
             beyond: size << 8,
-            recip: (r + (r.wrapping_mul(e >> 9) >> 22)) as u32 >> (8u32.wrapping_sub(zeros) & 31),
+            recip: (r + (r.wrapping_mul(e >> 9) >> 22)) as u32 >> (8 - zeros),
         }
     }
 }
@@ -85,30 +84,30 @@ impl<'a> Walk<'a> {
             return None;
         }
         let flip = -i32::from(ray.negative);
-        let [s0, s1] = ray.slopes;
-        let across = match order {
-            Order::Entry => [Across::new(s0, recips), Across::new(s1, recips)],
-            _ => [Across::NONE; 2],
-        };
-        let from = match order {
-            Order::Any => ((1 << 30) ^ flip) - flip,
-            _ => ray.plane,
-        };
         let walk = place.as_mut_ptr();
         // SAFETY: what is not written here may stay as it is.
         unsafe {
+            for axis in 0..2 {
+                (*walk).across[axis] = match order {
+                    Order::Entry => Across::new(ray.slopes[axis], recips),
+                    _ => Across { beyond: 0, recip: 0 },
+                };
+            }
             (*walk).nodes = nodes.as_ptr();
             (*walk).count = count as u32;
             (*walk).bounds = ray.offsets.map(i32::wrapping_neg);
             (*walk).slopes = ray.slopes;
             (*walk).waiting = 0;
             (*walk).flip = flip;
-            (*walk).plane = ray.plane;
-            (*walk).across = across;
-            (*walk).from = from;
+            (*walk).start = ray.plane - flip;
+            (*walk).from = match order {
+                Order::Any => ((1 << 30) ^ flip) - flip,
+                _ => ray.plane,
+            };
             (*walk).fall = flip;
             (*walk).next = 0;
-            (*walk).code = u32::from(ray.axis.min(2)) * 4 + u32::from(s0 < 0) * 2 + u32::from(s1 < 0);
+            let falls = ray.slopes.map(|slope| slope as u32 >> 31);
+            (*walk).code = u32::from(ray.axis.min(2)) * 4 + falls[0] * 2 + falls[1];
             Some(place.assume_init_mut())
         }
     }
@@ -150,22 +149,45 @@ macro_rules! planes {
     ("3") => { "lsrs r3, r1, #24; lsrs r4, r2, #24;" };
 }
 
-/// Whether the ray meets child `$slot` of the node at r0: if so, its bit in r7, the top one of a byte, slot 0 the
-/// highest.
+/// On to 3 if the ray passes above child `$slot` of the node at r0 along an axis across, or below it.
+#[rustfmt::skip]
+macro_rules! beyond {
+    ($slot:tt, $plane:tt, $side:tt, $slope:tt, $z:tt, $bound:tt, $beyond:tt) => {
+        concat!(
+            "ldrb r5, [r0, #", $plane, " + ", $side, " + ", $slot, "]; mla r6, ", $slope, ", ", $z, ", ", $bound, ";",
+            "cmp r6, r5, lsl #13; b", $beyond, " 3f;",
+        )
+    };
+}
+
+/// Whether the ray meets child `$slot` of the node at r0: if so, its bit in r7, the top one of a byte, slot 0 the highest.
 ///
-/// `$most` and `$least`: which of r3 and r4 makes most of a place across, and least.
+/// `$most` and `$least`: which of r3 and r4 makes most of a place across, and least. Children come in the order of their
+/// places: what is met seldom is asked first.
 #[rustfmt::skip]
 macro_rules! child {
-    ($slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
+    ("low", $slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
         concat!(
             planes!($slot),
-            "ldrb r5, [r0, #", $x, " + ", $slot, "]; mla r6, r8, ", $most1, ", r10; cmp r6, r5, lsl #13; blt 3f;",
-            "ldrb r5, [r0, #", $x, " + 4 + ", $slot, "]; mla r6, r8, ", $least1, ", r10; cmp r6, r5, lsl #13; bgt 3f;",
-            "ldrb r5, [r0, #", $y, " + ", $slot, "]; mla r6, r9, ", $most2, ", r11; cmp r6, r5, lsl #13; blt 3f;",
-            "ldrb r5, [r0, #", $y, " + 4 + ", $slot, "]; mla r6, r9, ", $least2, ", r11; cmp r6, r5, lsl #13; bgt 3f;",
-            "cmp r4, r12; blt 3f; cmp r3, lr; bgt 3f;",
-            "orr r7, r7, #0x80000000 >> (8 * ", $slot, "); 3:",
+            beyond!($slot, $x, "4", "r8", $least1, "r10", "gt"),
+            beyond!($slot, $y, "4", "r9", $least2, "r11", "gt"),
+            beyond!($slot, $x, "0", "r8", $most1, "r10", "lt"),
+            beyond!($slot, $y, "0", "r9", $most2, "r11", "lt"),
+            child!($slot),
         )
+    };
+    ("high", $slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
+        concat!(
+            planes!($slot),
+            beyond!($slot, $x, "0", "r8", $most1, "r10", "lt"),
+            beyond!($slot, $y, "0", "r9", $most2, "r11", "lt"),
+            beyond!($slot, $x, "4", "r8", $least1, "r10", "gt"),
+            beyond!($slot, $y, "4", "r9", $least2, "r11", "gt"),
+            child!($slot),
+        )
+    };
+    ($slot:tt) => {
+        concat!("cmp r4, r12; blt 3f; cmp r3, lr; bgt 3f; orr r7, r7, #0x80000000 >> (8 * ", $slot, "); 3:")
     };
 }
 
@@ -197,8 +219,9 @@ macro_rules! sort {
             "ldrb r6, [r3, #24]; ldrb r4, [r3, #", $z, " + ", $side, "];", $before,
             across!($x, $side1, $aside1, "r10", "r8", "r9", $later),
             across!($y, $side2, $aside2, "r11", "r12", "lr", $later),
-            "ldrb r5, [r0, #34];", $after, "bic r4, r4, r4, asr #31;",
-            "ldrh r5, [r0, #36]; and r6, r6, #3; add r5, r6; bfi r5, r4, #16, #16;",
+            // The exponent, and the first node above it.
+            "ldr r5, [r0, #34];", $after, "bic r4, r4, r4, asr #31;",
+            "and r6, r6, #3; add r5, r6, r5, lsr #16; bfi r5, r4, #16, #16;",
             // The farther of two waits.
             "cmn r2, #1; beq 5f; cmp r5, r2; mov r6, r5; itt lo; movlo r6, r2; movlo r2, r5;",
             "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 6f;",
@@ -215,7 +238,7 @@ macro_rules! limit {
     () => {
         concat!(
             "ldr r3, [sp]; ldr r5, [r1, #{met}]; ldrd r6, r7, [r3, #{flip}]; asrs r5, r5, #{bits}; str r5, [r3, #{limit}];",
-            "eor r2, r5, r6; subs r2, r2, r6; add r2, r7; add r6, r3, r6, lsl #2; str r2, [r6, #{range} + 4];",
+            "eor r2, r5, r6; add r2, r7; add r6, r3, r6, lsl #2; str r2, [r6, #{range} + 4];",
         )
     };
 }
@@ -264,7 +287,7 @@ macro_rules! walk {
             "33: ldr r3, [sp]; ldrd r5, r6, [r3, #{limit}];",
             "32: subs r6, #4; bmi 25f; adds r7, r3, r6; ldr r4, [r7, #{stack}]; cmp r5, r4, lsr #16; blo 32b;",
             "str r6, [r3, #{waiting}];",
-            "35: uxth r4, r4; ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
+            "35: uxth r4, r4; 36: ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
             // Node r4. The name is for those who count visits.
             "microlux_walk_", $number, "_node:",
             "add r4, r4, r4, lsl #2; add r0, r2, r4, lsl #3;",
@@ -274,14 +297,14 @@ macro_rules! walk {
             "mla r11, r9, r1, r7; sub r11, r11, r3, lsl #13; asr r11, r11, r4;",
             "sub r12, r12, r1; asr r12, r12, r4; sub lr, lr, r1; asr lr, lr, r4;",
             "ldr r1, [r0, #", $z, "]; ldr r2, [r0, #", $z, " + 4]; movs r7, #0;",
-            child!("0", $x, $y, $most1, $least1, $most2, $least2),
-            child!("1", $x, $y, $most1, $least1, $most2, $least2),
-            child!("2", $x, $y, $most1, $least1, $most2, $least2),
-            child!("3", $x, $y, $most1, $least1, $most2, $least2),
-            "cmp r7, #0; beq 33b; subs r5, r7, #1; tst r5, r7; bne 45b;",
+            child!("low", "0", $x, $y, $most1, $least1, $most2, $least2),
+            child!("low", "1", $x, $y, $most1, $least1, $most2, $least2),
+            child!("high", "2", $x, $y, $most1, $least1, $most2, $least2),
+            child!("high", "3", $x, $y, $most1, $least1, $most2, $least2),
+            "subs r5, r7, #1; blo 33b; tst r5, r7; bne 45b;",
             // Straight on to a single one.
             "clz r4, r7; add r5, r0, r4, lsr #3; ldrb r5, [r5, #24]; lsls r4, r5, #25; bcc 42b;",
-            "ldrh r4, [r0, #36]; and r5, r5, #3; add r4, r5; ldr r3, [sp]; b 35b;",
+            "ldrh r4, [r0, #36]; and r5, r5, #3; add r4, r5; ldr r3, [sp]; b 36b;",
         )
     };
 }
@@ -314,7 +337,7 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         "push {{r4, r5, r6, r7, r8, r9, r10, r11, lr}}; sub sp, #12",
         "mov r3, r0; str r3, [sp]; str r1, [r3, #{limit}]; str r2, [r3, #{facets}]",
         // Backwards from −limit to 0 along the axis, else from 0 to the limit.
-        "ldrd r4, r5, [r3, #{flip}]; ands r4, r1; subs r5, r5, r4; str r5, [r3, #{range}]; add r5, r1; str r5, [r3, #{range} + 4]",
+        "ldrd r4, r5, [r3, #{flip}]; add r5, r4; ands r4, r1; subs r5, r5, r4; str r5, [r3, #{range}]; add r5, r1; str r5, [r3, #{range} + 4]",
         "ldr r4, [r3, #{code}]; tbh [pc, r4, lsl #1]",
         "29: .hword (60f - 29b) / 2, (61f - 29b) / 2, (62f - 29b) / 2, (63f - 29b) / 2",
         ".hword (64f - 29b) / 2, (65f - 29b) / 2, (66f - 29b) / 2, (67f - 29b) / 2",
