@@ -11,7 +11,7 @@ fn main() {
         println!("cargo::rustc-cfg=narrow_mul");
     }
     let features = std::env::var("CARGO_CFG_TARGET_FEATURE").unwrap_or_default();
-    let has_zbb = features.split(,).any(|feature| feature == "zbb");
+    let has_zbb = features.split(',').any(|feature| feature == "zbb");
     if !is_narrow && (!is(&["riscv"]) || has_zbb) {
         println!("cargo::rustc-cfg=counted_zeros");
     }
