@@ -140,13 +140,33 @@ impl Walk<'_> {
     }
 }
 
-/// Planes of child `$slot` along the dominant axis, out of words: r3, r4.
+/// A plane of child `$slot` along the dominant axis, out of its word: the lower one to r3, the upper one to r4.
 #[rustfmt::skip]
-macro_rules! planes {
-    ("0") => { "uxtb r3, r1; uxtb r4, r2;" };
-    ("1") => { "uxtb r3, r1, ror #8; uxtb r4, r2, ror #8;" };
-    ("2") => { "uxtb r3, r1, ror #16; uxtb r4, r2, ror #16;" };
-    ("3") => { "lsrs r3, r1, #24; lsrs r4, r2, #24;" };
+macro_rules! plane {
+    ("0", "r3") => { "uxtb r3, r1;" };
+    ("1", "r3") => { "uxtb r3, r1, ror #8;" };
+    ("2", "r3") => { "uxtb r3, r1, ror #16;" };
+    ("3", "r3") => { "lsrs r3, r1, #24;" };
+    ("0", "r4") => { "uxtb r4, r2;" };
+    ("1", "r4") => { "uxtb r4, r2, ror #8;" };
+    ("2", "r4") => { "uxtb r4, r2, ror #16;" };
+    ("3", "r4") => { "lsrs r4, r2, #24;" };
+}
+
+/// The second of two planes, if it is another one than the first.
+#[rustfmt::skip]
+macro_rules! second {
+    ($slot:tt, "r3", "r3") => { "" };
+    ($slot:tt, "r4", "r4") => { "" };
+    ($slot:tt, $first:tt, $second:tt) => { plane!($slot, $second) };
+}
+
+/// The other plane, if two are the same.
+#[rustfmt::skip]
+macro_rules! third {
+    ($slot:tt, "r3", "r3") => { plane!($slot, "r4") };
+    ($slot:tt, "r4", "r4") => { plane!($slot, "r3") };
+    ($slot:tt, $first:tt, $second:tt) => { "" };
 }
 
 /// On to 3 if the ray passes above child `$slot` of the node at r0 along an axis across, or below it.
@@ -168,9 +188,9 @@ macro_rules! beyond {
 macro_rules! child {
     ("low", $slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
         concat!(
-            planes!($slot),
-            beyond!($slot, $x, "4", "r8", $least1, "r10", "gt"),
-            beyond!($slot, $y, "4", "r9", $least2, "r11", "gt"),
+            plane!($slot, $least1), beyond!($slot, $x, "4", "r8", $least1, "r10", "gt"),
+            second!($slot, $least1, $least2), beyond!($slot, $y, "4", "r9", $least2, "r11", "gt"),
+            third!($slot, $least1, $least2),
             beyond!($slot, $x, "0", "r8", $most1, "r10", "lt"),
             beyond!($slot, $y, "0", "r9", $most2, "r11", "lt"),
             child!($slot),
@@ -178,9 +198,9 @@ macro_rules! child {
     };
     ("high", $slot:tt, $x:tt, $y:tt, $most1:tt, $least1:tt, $most2:tt, $least2:tt) => {
         concat!(
-            planes!($slot),
-            beyond!($slot, $x, "0", "r8", $most1, "r10", "lt"),
-            beyond!($slot, $y, "0", "r9", $most2, "r11", "lt"),
+            plane!($slot, $most1), beyond!($slot, $x, "0", "r8", $most1, "r10", "lt"),
+            second!($slot, $most1, $most2), beyond!($slot, $y, "0", "r9", $most2, "r11", "lt"),
+            third!($slot, $most1, $most2),
             beyond!($slot, $x, "4", "r8", $least1, "r10", "gt"),
             beyond!($slot, $y, "4", "r9", $least2, "r11", "gt"),
             child!($slot),
