@@ -3,9 +3,11 @@ use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
 #[cfg(armv6m)]
-use super::armv6m::facets::look;
+use super::armv6m::{facets::look, walk::follow};
 #[cfg(armv7m)]
-use super::armv7m::facets::{Scratch, look};
+use super::armv7m::facets::Scratch;
+#[cfg(armv7m)]
+use super::armv7m::{facets::look, walk::follow};
 use super::ray::Ray;
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far, in the order in which [`look`] reads it.
@@ -125,6 +127,15 @@ impl<'a> Facets<'a> {
     pub fn look(&mut self, first: u32, end: u32) -> bool {
         // SAFETY: pointers and counts are those of slices that outlive this, the axis is 0 to 2.
         self.has_mesh() && unsafe { look(self, first, end) }
+    }
+
+    /// Looks at the triangles of all leaves of a tree that the ray may meet before what it has met, in its mesh; of nodes and
+    /// `recips` as `Walk::begin` takes them.
+    ///
+    /// The ray is that of [`Facets::new`].
+    #[inline(always)]
+    pub fn follow(&mut self, nodes: &[u8], count: usize, ray: &Ray, recips: &[u16; 128]) {
+        follow(self, nodes, count, ray, recips);
     }
 
     /// The same without a mesh: whose triangles are told by their corners.

@@ -1,4 +1,4 @@
-//! Walk and triangles in the assembly of an ARMv6-M core: [`super::traverse`] and [`crate::shape`] say what it does.
+//! Walk and triangles in the assembly of ARMv6-M and ARMv7-M: [`super::traverse`] and [`crate::shape`] say what it does.
 
 use super::mesh::stop_within;
 use super::node::Node;
@@ -84,10 +84,7 @@ fn facets<'a>(mesh: &Triangles<'a>, ray: &GridRay, depth: i32, once: bool) -> Fa
 pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &GridRay, depth: i32, t_max: i32) -> Option<MeshHit> {
     let facets = &mut facets(mesh, ray, depth, false);
     match mesh {
-        #[cfg(target_arch = "riscv32")]
-        Triangles::Plain(_) => facets.nearest(nodes.as_bytes(), nodes.len(), ray.axis),
-        #[cfg(not(target_arch = "riscv32"))]
-        Triangles::Plain(_) => begin(&mut MaybeUninit::uninit(), nodes, ray, Order::Entry)?.look(facets),
+        Triangles::Plain(_) => facets.follow(nodes.as_bytes(), nodes.len(), &seen(ray), &RECIPS),
         Triangles::Packed(mesh) => traverse(nodes, ray, &mut Nearest { mesh, facets }),
     }
     let met = facets.met()?;

@@ -118,15 +118,17 @@ impl<'a> Walk<'a> {
     }
 }
 
-impl Walk<'_> {
-    /// Looks at the triangles of all leaves that the ray may meet before what it has met, in a mesh.
-    #[inline(always)]
-    pub fn look(&mut self, facets: &mut Facets) {
-        let limit = facets.depth() >> DEPTH_BITS;
-        if limit >= 0 && facets.has_mesh() {
-            // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
-            unsafe { step(self, limit, ptr::from_mut(facets).cast()) };
-        }
+/// [`Facets::follow`].
+#[inline(always)]
+pub(crate) fn follow(facets: &mut Facets, nodes: &[u8], count: usize, ray: &Ray, recips: &[u16; 128]) {
+    let place = &mut MaybeUninit::uninit();
+    let Some(walk) = Walk::begin(place, nodes, count, ray, Order::Entry, recips) else {
+        return;
+    };
+    let limit = facets.depth() >> DEPTH_BITS;
+    if limit >= 0 && facets.has_mesh() {
+        // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
+        unsafe { step(walk, limit, ptr::from_mut(facets).cast()) };
     }
 }
 

@@ -26,7 +26,7 @@ pub struct Walk<'a> {
     start: i32,
     /// From where depths are measured along the axis: so far off that all are 0, where any child may come first.
     from: i32,
-    /// The flip once more, so that what orders children lies together.
+    /// The flip once more: what sorts children lies together.
     fall: i32,
     across: [Across; 2],
     /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
@@ -80,7 +80,7 @@ impl<'a> Walk<'a> {
         order: Order,
         recips: &[u16; 128],
     ) -> Option<&'w mut Walk<'a>> {
-        if count > 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0 {
+        if !are_nodes(nodes, count) {
             return None;
         }
         let flip = -i32::from(ray.negative);
@@ -120,23 +120,31 @@ impl<'a> Walk<'a> {
         }
         // SAFETY: `nodes` points to `count` nodes that outlive the walk, `code` is under 12, and the stack is as full as
         // `waiting` says.
-        let found = unsafe { step(self, limit, ptr::null_mut()) };
+        let found = unsafe { step(ptr::from_mut(self).cast(), limit as u32, 0, ptr::null_mut()) };
         let (base, metas) = (found as u32, (found >> 32) as u32);
         (base != u32::MAX).then_some(Leaves { base, metas })
     }
 }
 
-impl Walk<'_> {
-    /// Looks at the triangles of all leaves that the ray may meet before what it has met, in a mesh.
-    ///
-    /// The facets are of the same ray.
-    #[inline(always)]
-    pub fn look(&mut self, facets: &mut Facets) {
-        let limit = facets.depth() >> DEPTH_BITS;
-        if limit >= 0 && facets.has_mesh() {
-            // SAFETY: as in `leaves`; the facets are as `Facets::new` made them, or as their own look has left them.
-            unsafe { step(self, limit, ptr::from_mut(facets).cast()) };
-        }
+#[inline(always)]
+fn are_nodes(nodes: &[u8], count: usize) -> bool {
+    count <= 1 << 16 && count * NODE <= nodes.len() && nodes.as_ptr() as usize & 1 == 0
+}
+
+/// [`Facets::follow`]: the ray is what the facets say of it.
+#[inline(always)]
+pub(crate) fn follow(facets: &mut Facets, nodes: &[u8], count: usize, _: &Ray, _: &[u16; 128]) {
+    if facets.depth() >= 0 && facets.has_mesh() && are_nodes(nodes, count) {
+        let mut place = MaybeUninit::<Walk>::uninit();
+        // SAFETY: there are so many nodes; the facets are as `Facets::new` made them, or as their own look has left them.
+        unsafe {
+            step(
+                place.as_mut_ptr().cast(),
+                nodes.as_ptr() as u32,
+                count as u32,
+                ptr::from_mut(facets).cast(),
+            )
+        };
     }
 }
 
@@ -270,7 +278,7 @@ macro_rules! limit {
 #[rustfmt::skip]
 macro_rules! walk {
     (
-        $entry:tt, $number:tt, $along:tt, [$x:tt, $y:tt, $z:tt], [$ox:tt, $oy:tt, $oz:tt],
+        $entry:tt, $root:tt, $number:tt, $along:tt, [$x:tt, $y:tt, $z:tt], [$ox:tt, $oy:tt, $oz:tt],
         [$most1:tt, $least1:tt, $first1:tt, $last1:tt, $aside1:tt],
         [$most2:tt, $least2:tt, $first2:tt, $last2:tt, $aside2:tt]
     ) => {
@@ -278,7 +286,7 @@ macro_rules! walk {
             // Several leaves alone.
             "49: mvn r2, #0; b 48f;",
             "45: ldr r3, [sp]; ldr r6, [r0, #24]; rev r6, r6; bic r5, r7, r6; str r5, [sp, #8]; ands r7, r6; beq 49b;",
-            "adds r5, r3, #{across}; ldm r5, {{r4, r6, r8, r9, r12, lr}}; ldrh r2, [r0, #", $oz, "]; cmp r6, #0; bne 46f;",
+            "adds r5, r3, #{from}; ldm r5, {{r4, r6, r8, r9, r12, lr}}; ldrh r2, [r0, #", $oz, "]; cmp r6, #0; bne 46f;",
             "subs r1, r2, r4;",
             sort!([$x, $y, $z], [$first1, $first2, "0"], [$aside1, $aside2], "adds r4, #1;", "lo", "subs r4, #1; lsls r4, r5; add r4, r1;"),
             "b 47f;",
@@ -307,7 +315,7 @@ macro_rules! walk {
             "33: ldr r3, [sp]; ldrd r5, r6, [r3, #{limit}];",
             "32: subs r6, #4; bmi 25f; adds r7, r3, r6; ldr r4, [r7, #{stack}]; cmp r5, r4, lsr #16; blo 32b;",
             "str r6, [r3, #{waiting}];",
-            "35: uxth r4, r4; 36: ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
+            "35: uxth r4, r4; 36:", $root, ": ldm r3, {{r2, r5, r6, r7, r12, lr}}; cmp r4, r5; bhs 33b;",
             // Node r4. The name is for those who count visits.
             "microlux_walk_", $number, "_node:",
             "add r4, r4, r4, lsl #2; add r0, r2, r4, lsl #3;",
@@ -332,39 +340,82 @@ macro_rules! walk {
 /// [`walk!`] of slopes that rise and fall.
 #[rustfmt::skip]
 macro_rules! slopes {
-    ([$($entry:tt: $number:tt),*], $along:tt, $planes:tt, $origins:tt) => {
-        slopes!(@ [$([$entry, $number])*], $along, $planes, $origins, ["r4", "r3", "0", "4", "rsb"], ["r3", "r4", "4", "0", "sub"])
+    ([$($entry:tt, $root:tt: $number:tt),*], $along:tt, $planes:tt, $origins:tt) => {
+        slopes!(@ [$([$entry, $root, $number])*], $along, $planes, $origins, ["r4", "r3", "0", "4", "rsb"], ["r3", "r4", "4", "0", "sub"])
     };
-    (@ [[$e0:tt, $n0:tt] [$e1:tt, $n1:tt] [$e2:tt, $n2:tt] [$e3:tt, $n3:tt]], $along:tt, $planes:tt, $origins:tt, $rise:tt, $fall:tt) => {
+    (@ [[$e0:tt, $r0:tt, $n0:tt] [$e1:tt, $r1:tt, $n1:tt] [$e2:tt, $r2:tt, $n2:tt] [$e3:tt, $r3:tt, $n3:tt]], $along:tt, $planes:tt, $origins:tt, $rise:tt, $fall:tt) => {
         concat!(
-            walk!($e0, $n0, $along, $planes, $origins, $rise, $rise),
-            walk!($e1, $n1, $along, $planes, $origins, $rise, $fall),
-            walk!($e2, $n2, $along, $planes, $origins, $fall, $rise),
-            walk!($e3, $n3, $along, $planes, $origins, $fall, $fall),
+            walk!($e0, $r0, $n0, $along, $planes, $origins, $rise, $rise),
+            walk!($e1, $r1, $n1, $along, $planes, $origins, $rise, $fall),
+            walk!($e2, $r2, $n2, $along, $planes, $origins, $fall, $rise),
+            walk!($e3, $r3, $n3, $along, $planes, $origins, $fall, $fall),
         )
     };
 }
 
-/// r0: walk. r1: limit. r2: null, or what looks at leaves. A node's first primitive, and then its leaves; all ones for none.
+/// What tells where a ray comes to an axis' planes, at `$at` of the walk at r0, of the slope's size in `$size`; r11: guesses of
+/// reciprocals.
+#[rustfmt::skip]
+macro_rules! recip {
+    ($size:tt, $at:tt) => {
+        concat!(
+            "movs r5, #0; movs r2, #0; cmp ", $size, ", #0x100; blo 3f;",
+            // Up to bit 15.
+            "clz r5, ", $size, "; subs r5, #16; lsl r2, ", $size, ", r5;",
+            // A guess and a Newton step.
+            "ubfx r7, r2, #8, #7; ldrh r7, [r11, r7, lsl #1]; muls r2, r7, r2; rsb r2, r2, #0x80000000;",
+            "asrs r2, r2, #9; muls r2, r7, r2; add r2, r7, r2, asr #22; rsb r5, r5, #8; lsrs r2, r5; lsls r5, ", $size, ", #8;",
+            "3: str r5, [r0, #{across} + ", $at, "]; str r2, [r0, #{across} + ", $at, " + 4];",
+        )
+    };
+}
+
+/// r0: walk. r3: null, then r1: limit: a node's first primitive, and then its leaves; all ones for none.
+///
+/// Or r3: what looks at leaves. r1, r2: nodes and their number.
 ///
 /// # Safety
 ///
-/// The walk is as [`Walk::begin`] made it, or as this has left it.
+/// The walk is as [`Walk::begin`] made it, or as this has left it; or there are the nodes, and the facets have a mesh.
 #[unsafe(naked)]
 #[rustfmt::skip]
-unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'static>) -> u64 {
+unsafe extern "C" fn step(
+    walk: *mut Walk<'static>,
+    limit_or_nodes: u32,
+    count: u32,
+    facets: *mut Facets<'static>,
+) -> u64 {
     naked_asm!(
-        "push {{r4, r5, r6, r7, r8, r9, r10, r11, lr}}; sub sp, #12",
-        "mov r3, r0; str r3, [sp]; str r1, [r3, #{limit}]; str r2, [r3, #{facets}]",
-        // Backwards from −limit to 0 along the axis, else from 0 to the limit.
+        "push {{r4, r5, r6, r7, r8, r9, r10, r11, lr}}; sub sp, #12; str r0, [sp]; str r3, [r0, #{facets}]; cmp r3, #0; bne 22f",
+        // On, up to a limit: backwards from −limit to 0 along the axis, else from 0 to the limit.
+        "mov r3, r0; str r1, [r3, #{limit}]",
         "ldrd r4, r5, [r3, #{flip}]; add r5, r4; ands r4, r1; subs r5, r5, r4; str r5, [r3, #{range}]; add r5, r1; str r5, [r3, #{range} + 4]",
         "ldr r4, [r3, #{code}]; tbh [pc, r4, lsl #1]",
         "29: .hword (60f - 29b) / 2, (61f - 29b) / 2, (62f - 29b) / 2, (63f - 29b) / 2",
         ".hword (64f - 29b) / 2, (65f - 29b) / 2, (66f - 29b) / 2, (67f - 29b) / 2",
         ".hword (68f - 29b) / 2, (69f - 29b) / 2, (70f - 29b) / 2, (71f - 29b) / 2",
-        slopes!(["60": "0", "61": "1", "62": "2", "63": "3"], "along_x", ["8", "16", "0"], ["30", "32", "28"]),
-        slopes!(["64": "4", "65": "5", "66": "6", "67": "7"], "along_y", ["16", "0", "8"], ["32", "28", "30"]),
-        slopes!(["68": "8", "69": "9", "70": "10", "71": "11"], "along_z", ["0", "8", "16"], ["28", "30", "32"]),
+        // At the root: slopes, and offsets negated.
+        "22: str r1, [r0, #{nodes}]; str r2, [r0, #{nodes} + 4]",
+        "adds r4, r3, #{facets_across}; ldm r4, {{r4, r5, r6, r7}}",
+        "rsbs r5, r5, #0; str r5, [r0, #{bounds}]; rsbs r7, r7, #0; str r7, [r0, #{bounds} + 4]",
+        "rsb r8, r4, #0; str r8, [r0, #{slopes}]; rsb r9, r6, #0; str r9, [r0, #{slopes} + 4]",
+        // Which code is the ray's: r1. Where it starts, whether it goes down, and its limit: r2, r10, r12.
+        "ldrd r1, r2, [r3, #{facets_axis}]; ldrd r10, r11, [r3, #{facets_negative}]; ldr r12, [r3, #{met}]; asr r12, r12, #{bits}",
+        "lsr r5, r8, #31; add r1, r1, r5, lsl #1; add r1, r1, r9, lsr #31; rsb r10, r10, #0",
+        "str r12, [r0, #{limit}]; str r2, [r0, #{from}]; str r10, [r0, #{flip}]; str r10, [r0, #{from} + 4]",
+        "sub r5, r2, r10; str r5, [r0, #{flip} + 4]",
+        "and r5, r12, r10; subs r2, r2, r5; str r2, [r0, #{range}]; add r2, r12; str r2, [r0, #{range} + 4]",
+        "movs r5, #0; str r5, [r0, #{waiting}]",
+        "eor r4, r8, r8, asr #31; sub r4, r4, r8, asr #31; eor r6, r9, r9, asr #31; sub r6, r6, r9, asr #31",
+        recip!("r4", "0"),
+        recip!("r6", "8"),
+        "mov r3, r0; movs r4, #0; tbh [pc, r1, lsl #1]",
+        "29: .hword (80f - 29b) / 2, (81f - 29b) / 2, (82f - 29b) / 2, (83f - 29b) / 2",
+        ".hword (84f - 29b) / 2, (85f - 29b) / 2, (86f - 29b) / 2, (87f - 29b) / 2",
+        ".hword (88f - 29b) / 2, (89f - 29b) / 2, (90f - 29b) / 2, (91f - 29b) / 2",
+        slopes!(["60", "80": "0", "61", "81": "1", "62", "82": "2", "63", "83": "3"], "along_x", ["8", "16", "0"], ["30", "32", "28"]),
+        slopes!(["64", "84": "4", "65", "85": "5", "66", "86": "6", "67", "87": "7"], "along_y", ["16", "0", "8"], ["32", "28", "30"]),
+        slopes!(["68", "88": "8", "69", "89": "9", "70", "90": "10", "71", "91": "11"], "along_z", ["0", "8", "16"], ["28", "30", "32"]),
         // Nothing waits.
         "25: mov r0, #-1; str r0, [r3, #{next}]",
         "27: add sp, #12; pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
@@ -380,7 +431,13 @@ unsafe extern "C" fn step(walk: &mut Walk, limit: i32, facets: *mut Facets<'stat
         along_x = sym facets::along_x,
         along_y = sym facets::along_y,
         along_z = sym facets::along_z,
-        across = const offset_of!(Walk, from),
+        across = const offset_of!(Walk, across),
+        bounds = const offset_of!(Walk, bounds),
+        facets_across = const offset_of!(Facets, across),
+        facets_axis = const offset_of!(Facets, axis),
+        facets_negative = const offset_of!(Facets, negative),
+        from = const offset_of!(Walk, from),
+        nodes = const offset_of!(Walk, nodes),
         bits = const DEPTH_BITS,
         code = const offset_of!(Walk, code),
         facets = const offset_of!(Walk, facets),

@@ -154,7 +154,7 @@ impl Facets<'_> {
     /// Looks at the triangles of all leaves of their mesh's tree, as [`Walk::begin`] takes it, that the ray may meet before what
     /// it has met.
     #[inline(always)]
-    pub fn nearest(&mut self, nodes: &[u8], count: usize, axis: u8) {
+    pub fn follow(&mut self, nodes: &[u8], count: usize, ray: &Ray, _: &[u16; 128]) {
         if count.wrapping_sub(1) >= 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0
         {
             return;
@@ -170,7 +170,7 @@ impl Facets<'_> {
                     nodes,
                     ptr::from_mut(self).cast(),
                     last,
-                    u32::from(axis.min(2)),
+                    u32::from(ray.axis.min(2)),
                 )
             };
         }
