@@ -1,10 +1,10 @@
 //! Walk and triangles in the assembly of ARMv6-M and ARMv7-M: [`super::traverse`] and [`crate::shape`] say what it does.
 
-use super::mesh::stop_within;
+use super::mesh::{depth_within, stop_within};
 use super::node::Node;
 use super::traverse::{Order, Visitor, traverse};
 use crate::num::RECIPS;
-use crate::shape::{DEPTH_BITS, GridRay, MeshHit, PackedMesh, SLOPE_BITS, Triangles};
+use crate::shape::{DEPTH_BITS, GridRay, MeshHit, PackedMesh, SLOPE_BITS, TriangleMesh, Triangles};
 use core::mem::MaybeUninit;
 use core::ops::ControlFlow;
 use microlux_asm::{self as assembly, Corner, Facets, Walk};
@@ -72,21 +72,40 @@ fn seen(ray: &GridRay) -> assembly::Ray {
 #[inline(always)]
 fn facets<'a>(mesh: &Triangles<'a>, ray: &GridRay, depth: i32, once: bool) -> Facets<'a> {
     match mesh {
-        Triangles::Plain(mesh) => {
-            Facets::new(mesh.vertices, mesh.triangles, &RECIPS, &seen(ray), depth, once)
-        }
-        Triangles::Packed(_) => Facets::of_corners(&RECIPS, ray.plane, ray.negative, depth, once),
+        Triangles::Plain(mesh) => facets_of(mesh, ray, depth, once),
+        Triangles::Packed(_) => corners(ray, depth, once),
     }
 }
 
-/// [`super::closest`].
 #[inline(always)]
-pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &GridRay, depth: i32, t_max: i32) -> Option<MeshHit> {
-    let facets = &mut facets(mesh, ray, depth, false);
-    match mesh {
-        Triangles::Plain(_) => facets.follow(nodes.as_bytes(), nodes.len(), &seen(ray), &RECIPS),
-        Triangles::Packed(mesh) => traverse(nodes, ray, &mut Nearest { mesh, facets }),
-    }
+fn facets_of<'a>(mesh: &TriangleMesh<'a>, ray: &GridRay, depth: i32, once: bool) -> Facets<'a> {
+    Facets::new(mesh.vertices, mesh.triangles, &RECIPS, &seen(ray), depth, once)
+}
+
+#[inline(always)]
+fn corners(ray: &GridRay, depth: i32, once: bool) -> Facets<'static> {
+    Facets::of_corners(&RECIPS, ray.plane, ray.negative, depth, once)
+}
+
+/// [`super::closest`] of a mesh as it is indexed.
+#[inline(always)]
+pub fn closest(mesh: &TriangleMesh, nodes: &[Node], ray: &GridRay, t_max: i32) -> Option<MeshHit> {
+    let mut facets = facets_of(mesh, ray, depth_within(ray, t_max), false);
+    facets.follow(nodes.as_bytes(), nodes.len(), &seen(ray), &RECIPS);
+    hit(&facets, ray, t_max)
+}
+
+/// [`super::closest`] of a packed mesh.
+#[inline(always)]
+pub fn closest_packed(mesh: &PackedMesh, nodes: &[Node], ray: &GridRay, t_max: i32) -> Option<MeshHit> {
+    let mut facets = corners(ray, depth_within(ray, t_max), false);
+    let facets = &mut facets;
+    traverse(nodes, ray, &mut Nearest { mesh, facets });
+    hit(facets, ray, t_max)
+}
+
+#[inline(always)]
+fn hit(facets: &Facets, ray: &GridRay, t_max: i32) -> Option<MeshHit> {
     let met = facets.met()?;
     let t = ray.distance(met.depth);
     let [b1, b2] = met.weights;
@@ -116,7 +135,7 @@ pub fn occluded(mesh: &Triangles, nodes: &[Node], ray: &GridRay, t_max: i32) -> 
 }
 
 #[inline(always)]
-fn corner<const K: usize>(ray: &GridRay) -> impl Fn(&[u16; 3]) -> Corner + Copy {
+fn see<const K: usize>(ray: &GridRay) -> impl Fn(&[u16; 3]) -> Corner + Copy {
     move |v| Corner {
         at: [
             ray.across::<K, 0>(v) >> SLOPE_BITS,
@@ -141,7 +160,7 @@ impl Visitor for Nearest<'_, '_> {
     #[inline(never)]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let (mesh, facets) = (self.mesh, &mut *self.facets);
-        mesh.each_of_leaf(base, leaf, corner::<K>(ray), |number, corners| {
+        mesh.each_of_leaf(base, leaf, see::<K>(ray), |number, corners| {
             facets.test(corners, number);
             ControlFlow::Continue(())
         })
@@ -205,7 +224,7 @@ impl Visitor for Any<'_, '_, '_> {
     #[inline(never)]
     fn visit<const K: usize>(&mut self, ray: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
         let (mesh, way) = (self.mesh, &mut *self.way);
-        mesh.each_of_leaf(base, leaf, corner::<K>(ray), |number, corners| {
+        mesh.each_of_leaf(base, leaf, see::<K>(ray), |number, corners| {
             if way.facets.test(corners, number) {
                 way.within(ray)?;
             }

@@ -13,19 +13,31 @@ use core::ops::ControlFlow;
 ///
 /// `nodes` is the mesh's tree, of [`super::build_mesh`] or past [`super::check_mesh`].
 pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
-    // By reference: to take it out would copy it.
-    let entered = GridRay::enter(mesh.grid(), ray, slopes);
-    let ray = entered.as_ref()?;
-    // The limit has whole steps: take all sixteenths of the last.
-    let depth = ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1;
+    // Either form has a ray of its own, so that what one knows of it need not lie in memory.
     #[cfg(assembly)]
-    return super::asm::closest(mesh, nodes, ray, depth, t_max);
+    return match mesh {
+        Triangles::Plain(mesh) => {
+            super::asm::closest(mesh, nodes, &GridRay::enter(&mesh.grid, ray, slopes)?, t_max)
+        }
+        Triangles::Packed(mesh) => {
+            super::asm::closest_packed(mesh, nodes, &GridRay::enter(&mesh.grid, ray, slopes)?, t_max)
+        }
+    };
     #[cfg(not(assembly))]
     {
-        let mut nearest = Nearest::within(mesh, depth);
+        // By reference: to take it out would copy it.
+        let entered = GridRay::enter(mesh.grid(), ray, slopes);
+        let ray = entered.as_ref()?;
+        let mut nearest = Nearest::within(mesh, depth_within(ray, t_max));
         traverse(nodes, ray, &mut nearest);
         nearest.hit(ray, t_max)
     }
+}
+
+/// A depth that no nearer hit exceeds: the limit has whole steps, so all sixteenths of the last.
+#[inline(always)]
+pub(super) fn depth_within(ray: &GridRay, t_max: i32) -> i32 {
+    ((ray.limit(t_max) + 1) << DEPTH_BITS) - 1
 }
 
 /// The same answer from all triangles in turn.
