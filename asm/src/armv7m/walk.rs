@@ -232,30 +232,42 @@ macro_rules! across {
     };
 }
 
-/// Of the children in r7, all nodes: the nearest to r2, the others wait.
+/// The next of the children in r7, all nodes, behind r3: depth and index to `$to`.
 ///
 /// `$side`: which of two planes the ray comes to first.
 #[rustfmt::skip]
-macro_rules! sort {
+macro_rules! depth {
     (
-        [$x:tt, $y:tt, $z:tt], [$side1:tt, $side2:tt, $side:tt], [$aside1:tt, $aside2:tt],
+        $to:tt, [$x:tt, $y:tt, $z:tt], [$side1:tt, $side2:tt, $side:tt], [$aside1:tt, $aside2:tt],
         $before:tt, $later:tt, $after:tt
     ) => {
         concat!(
-            "mov r2, #-1; mov r3, r0;",
-            "4: clz r5, r7; lsls r7, r5; bic r7, r7, #0x80000000; add r3, r3, r5, lsr #3;",
+            "clz r5, r7; lsls r7, r5; bic r7, r7, #0x80000000; add r3, r3, r5, lsr #3;",
             "ldrb r6, [r3, #24]; ldrb r4, [r3, #", $z, " + ", $side, "];", $before,
             across!($x, $side1, $aside1, "r10", "r8", "r9", $later),
             across!($y, $side2, $aside2, "r11", "r12", "lr", $later),
             // The exponent, and the first node above it.
             "ldr r5, [r0, #34];", $after, "bic r4, r4, r4, asr #31;",
-            "and r6, r6, #3; add r5, r6, r5, lsr #16; bfi r5, r4, #16, #16;",
+            "and r6, r6, #3; add ", $to, ", r6, r5, lsr #16; bfi ", $to, ", r4, #16, #16;",
+        )
+    };
+}
+
+/// Of the children in r7, all nodes, one at least: the nearest to r2, the others wait.
+#[rustfmt::skip]
+macro_rules! sort {
+    ($($how:tt),*) => {
+        concat!(
+            "mov r3, r0;",
+            depth!("r2", $($how),*),
+            "cmp r7, #0; beq 47f;",
+            "4:",
+            depth!("r5", $($how),*),
             // The farther of two waits.
-            "cmn r2, #1; beq 5f; cmp r5, r2; mov r6, r5; itt lo; movlo r6, r2; movlo r2, r5;",
-            "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 6f;",
+            "cmp r5, r2; mov r6, r5; itt lo; movlo r6, r2; movlo r2, r5;",
+            "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 5f;",
             "adds r4, #4; str r4, [r5, #{waiting}]; add r5, r4; str r6, [r5, #{stack} - 4];",
-            "6: cmp r7, #0; bne 4b; b 47f;",
-            "5: mov r2, r5; cmp r7, #0; bne 4b;",
+            "5: cmp r7, #0; bne 4b;",
         )
     };
 }
