@@ -268,6 +268,9 @@ macro_rules! sort {
             "ldr r5, [sp]; ldr r4, [r5, #{waiting}]; cmp r4, #{most}; bhs 5f;",
             "adds r4, #4; str r4, [r5, #{waiting}]; add r5, r4; str r6, [r5, #{stack} - 4];",
             "5: cmp r7, #0; bne 4b;",
+            // On to it, if it is not beyond the limit; leaves first.
+            "47: ldr r3, [sp]; ldr r7, [sp, #8]; cmp r7, #0; bne 48f;",
+            "ldr r5, [r3, #{limit}]; ldrd r8, r9, [r3, #{slopes}]; uxth r4, r2; cmp r5, r2, lsr #16; bhs 36f; b 33f;",
         )
     };
 }
@@ -296,17 +299,14 @@ macro_rules! walk {
     ) => {
         concat!(
             // Several leaves alone.
-            "49: mvn r2, #0; b 48f;",
+            "49: mov r7, r5; mvn r4, #0; b 43f;",
             "45: ldr r3, [sp]; ldr r6, [r0, #24]; rev r6, r6; bic r5, r7, r6; str r5, [sp, #8]; ands r7, r6; beq 49b;",
             "adds r5, r3, #{from}; ldm r5, {{r4, r6, r8, r9, r12, lr}}; ldrh r2, [r0, #", $oz, "]; cmp r6, #0; bne 46f;",
             "subs r1, r2, r4;",
             sort!([$x, $y, $z], [$first1, $first2, "0"], [$aside1, $aside2], "adds r4, #1;", "lo", "subs r4, #1; lsls r4, r5; add r4, r1;"),
-            "b 47f;",
             "46: subs r1, r4, r2;",
             sort!([$x, $y, $z], [$last1, $last2, "4"], [$aside1, $aside2], "subs r4, #3;", "gt", "adds r4, #3; lsls r4, r5; subs r4, r1, r4;"),
-            "47: ldr r3, [sp];",
-            "48: ldr r7, [sp, #8]; mov r4, r2; cmp r7, #0; bne 43f;",
-            "ldrd r5, r6, [r3, #{limit}]; ldrd r8, r9, [r3, #{slopes}]; cmp r5, r4, lsr #16; bhs 35f; b 32f;",
+            "48: mov r4, r2;",
             // Leaves in r7, the node that comes next in r4.
             "43: str r4, [r3, #{next}]; ldr r1, [r3, #{facets}]; cmp r1, #0; beq 26f; str r0, [sp, #4];",
             "44: clz r4, r7; mov r5, #0x80000000; lsrs r5, r4; eors r7, r5; add r4, r0, r4, lsr #3; str r7, [sp, #8];",
