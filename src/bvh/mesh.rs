@@ -13,19 +13,21 @@ use core::ops::ControlFlow;
 ///
 /// `nodes` is the mesh's tree, of [`super::build_mesh`] or past [`super::check_mesh`].
 pub fn closest(mesh: &Triangles, nodes: &[Node], ray: &Ray, slopes: &Slopes, t_max: i32) -> Option<MeshHit> {
-    // Either form has a ray of its own, so that what one knows of it need not lie in memory.
+    // Either form has a ray of its own, so that what one knows of it need not lie in memory. By reference: to take it out would
+    // copy it.
     #[cfg(assembly)]
     return match mesh {
         Triangles::Plain(mesh) => {
-            super::asm::closest(mesh, nodes, &GridRay::enter(&mesh.grid, ray, slopes)?, t_max)
+            let entered = GridRay::enter(&mesh.grid, ray, slopes);
+            super::asm::closest(mesh, nodes, entered.as_ref()?, t_max)
         }
         Triangles::Packed(mesh) => {
-            super::asm::closest_packed(mesh, nodes, &GridRay::enter(&mesh.grid, ray, slopes)?, t_max)
+            let entered = GridRay::enter(&mesh.grid, ray, slopes);
+            super::asm::closest_packed(mesh, nodes, entered.as_ref()?, t_max)
         }
     };
     #[cfg(not(assembly))]
     {
-        // By reference: to take it out would copy it.
         let entered = GridRay::enter(mesh.grid(), ray, slopes);
         let ray = entered.as_ref()?;
         let mut nearest = Nearest::within(mesh, depth_within(ray, t_max));
