@@ -1,4 +1,4 @@
-//! Rays to random meshes as the core follows them: in assembly on ARMv6-M and RV32IM, by the portable code elsewhere.
+//! Rays to random meshes as the core follows them: in assembly on a Cortex-M and RV32IM, by the portable code elsewhere.
 
 use core::ops::ControlFlow;
 
