@@ -8,7 +8,7 @@ use super::armv6m::{facets::look, walk::follow};
 use super::armv7m::facets::Scratch;
 #[cfg(armv7m)]
 use super::armv7m::{facets::look, walk::follow};
-use super::ray::Ray;
+use super::ray::{Corner, Met, Ray};
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far, in the order in which [`look`] reads it.
 #[repr(C)]
@@ -57,26 +57,6 @@ impl Nearest {
             triangle: NONE,
         }
     }
-}
-
-/// Where a ray meets a triangle, the first of those of its depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Met {
-    pub triangle: u32,
-    /// Along the dominant axis, in 1/16 steps, 1 or more.
-    pub depth: i32,
-    /// Weights of the second and third corner, Q16.
-    pub weights: [i32; 2],
-}
-
-/// A vertex as a ray sees it.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct Corner {
-    /// Steps aside; under 2^18 in magnitude.
-    pub at: [i32; 2],
-    /// Its coordinate along the dominant axis.
-    pub z: i32,
 }
 
 const _: () = assert!(size_of::<[Corner; 3]>() == 36);

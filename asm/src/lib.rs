@@ -44,24 +44,20 @@ mod armv6m;
 mod armv7m;
 #[cfg(any(armv6m, armv7m))]
 mod facets;
-#[cfg(any(armv6m, armv7m))]
+#[cfg(any(armv6m, armv7m, target_arch = "riscv32"))]
 mod ray;
+#[cfg(target_arch = "riscv32")]
+mod rv32;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
 #[cfg(armv7m)]
 pub use armv7m::walk::Walk;
 #[cfg(any(armv6m, armv7m))]
-pub use facets::{Corner, Facets, Met};
-#[cfg(any(armv6m, armv7m))]
-pub use ray::{DEPTH_BITS, Leaves, Order, Ray, STACK};
-
+pub use facets::Facets;
+#[cfg(any(armv6m, armv7m, target_arch = "riscv32"))]
+pub use ray::{Corner, DEPTH_BITS, Leaves, Met, Order, Ray, STACK};
 #[cfg(target_arch = "riscv32")]
-mod rv32;
-#[cfg(target_arch = "riscv32")]
-pub use rv32::{
-    facets::{Corner, Facets, Met},
-    walk::{DEPTH_BITS, Leaves, Order, Ray, STACK, Walk},
-};
+pub use rv32::{facets::Facets, walk::Walk};
 
 #[cfg(test)]
 mod tests {

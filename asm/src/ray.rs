@@ -59,3 +59,23 @@ impl Leaves {
         self.base >> LAST_BIT != 0
     }
 }
+
+/// Where a ray meets a triangle, the first of those of its depth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Met {
+    pub triangle: u32,
+    /// Along the dominant axis, in 1/16 steps, 1 or more.
+    pub depth: i32,
+    /// Weights of the second and third corner, Q16.
+    pub weights: [i32; 2],
+}
+
+/// A vertex as a ray sees it.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Corner {
+    /// Steps aside; under 2^18 in magnitude.
+    pub at: [i32; 2],
+    /// Its coordinate along the dominant axis.
+    pub z: i32,
+}

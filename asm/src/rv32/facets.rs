@@ -3,7 +3,7 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use super::walk::{DEPTH_BITS, Ray};
+use crate::ray::{Corner, DEPTH_BITS, Met, Ray};
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far.
 #[repr(C)]
@@ -56,26 +56,6 @@ impl Nearest {
 fn scales(negative: bool) -> [i32; 2] {
     let sign = 1 - 2 * i32::from(negative);
     [sign << 12, sign << 4]
-}
-
-/// Where a ray meets a triangle, the first of those of its depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Met {
-    pub triangle: u32,
-    /// Along the dominant axis, in 1/16 steps, 1 or more.
-    pub depth: i32,
-    /// Weights of the second and third corner, Q16.
-    pub weights: [i32; 2],
-}
-
-/// A vertex as a ray sees it.
-#[repr(C)]
-#[derive(Clone, Copy)]
-pub struct Corner {
-    /// Steps aside; under 2^18 in magnitude.
-    pub at: [i32; 2],
-    /// Its coordinate along the dominant axis.
-    pub z: i32,
 }
 
 const _: () = assert!(size_of::<[Corner; 3]>() == 36);

@@ -4,67 +4,14 @@ use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
 use super::facets::{self, Facets};
+use crate::ray::{DEPTH_BITS, Leaves, NODE, Order, Ray, STACK};
 
-/// A ray as a tree's grid sees it.
-#[derive(Clone, Copy)]
-pub struct Ray {
-    /// Where it starts along its dominant axis, 0 ..= 65535.
-    pub plane: i32,
-    /// Steps across for one along the axis, Q13, within ±2^13.
-    pub slopes: [i32; 2],
-    /// What a place across, Q13, less its slope's share, lacks to lie on the ray.
-    pub offsets: [i32; 2],
-    /// Whether it goes down the axis.
-    pub negative: bool,
-    /// The dominant axis, 0 to 2; the slopes are of the two that follow.
-    pub axis: u8,
-}
-
-/// Which of a node's children comes first: a place in the table of [`step`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Order {
-    Any = 48,
-    /// By where its box begins along the dominant axis.
-    Face = 52,
-    /// By where the ray enters its box.
-    Entry = 60,
-}
-
-/// Bytes of a node.
-const NODE: usize = 40;
-/// Nodes that may wait: what is more is passed by.
-pub const STACK: usize = 40;
-/// Fraction bits of a triangle's depth.
-pub const DEPTH_BITS: u32 = 4;
-
-/// Leaves of a node that the ray may meet.
-#[derive(Clone, Copy)]
-pub struct Leaves {
-    base: u32,
-    metas: u32,
-}
-
-/// Beside a node's first primitive: no node comes after it.
-const LAST_BIT: u32 = 31;
-
-impl Leaves {
-    /// Of the node's leaves, the first primitive.
-    #[inline(always)]
-    pub fn base(self) -> u32 {
-        self.base & 0xff_ffff
-    }
-
-    /// A byte for each, as the node has it.
-    #[inline(always)]
-    pub fn metas(self) -> u32 {
-        self.metas
-    }
-
-    /// Whether no node comes after theirs.
-    #[inline(always)]
-    pub fn is_last(self) -> bool {
-        self.base >> LAST_BIT != 0
+/// The place of [`step`]'s table of tests, by [`Order`].
+const fn test_of(order: Order) -> u32 {
+    match order {
+        Order::Any => 48,
+        Order::Face => 52,
+        Order::Entry => 60,
     }
 }
 
@@ -131,7 +78,7 @@ impl<'a> Walk<'a> {
             (*walk).flip = -i32::from(ray.negative);
             (*walk).next = 0;
             (*walk).waiting = 0;
-            begin(walk.cast(), u32::from(ray.axis.min(2)), order as u32, recips);
+            begin(walk.cast(), u32::from(ray.axis.min(2)), test_of(order), recips);
             Some(place.assume_init_mut())
         }
     }
