@@ -305,14 +305,8 @@ impl GridRay {
     /// else the face it comes to. Then its other two coordinates are rounded to nearest, so that the quantised ray
     /// starts within ½ step of the true one in each. It misses for good if it is beyond the cube and leaving, or
     /// 65536 steps beside it: along the cube it moves across by 65535 steps at most. Origins within ±2^30 units.
-    #[cfg_attr(
-        any(target_arch = "riscv32", all(target_arch = "arm", not(narrow_mul))),
-        inline(always)
-    )]
-    #[cfg_attr(
-        not(any(target_arch = "riscv32", all(target_arch = "arm", not(narrow_mul)))),
-        inline
-    )]
+    #[cfg_attr(any(narrow_mul, target_arch = "x86_64"), inline)]
+    #[cfg_attr(not(any(narrow_mul, target_arch = "x86_64")), inline(always))]
     pub fn enter(grid: &Grid, ray: &Ray, slopes: &Slopes) -> Option<GridRay> {
         GridRay::enter_here(grid, ray, slopes)
     }
