@@ -106,6 +106,18 @@ pub const fn first_id(id: u16, bounces: u16) -> u16 {
     id.wrapping_add(bounces.wrapping_mul(0x9e37))
 }
 
+/// Most mirrors and glasses by way of which a number is still known for [`ID_NOTHING`]'s.
+const BOUNCES: u16 = 15;
+
+/// Whether what has this number is infinitely far, by whatever way it is seen.
+#[inline]
+const fn is_of_nothing(id: u16) -> bool {
+    /// Times 0x9e37 it is 1.
+    const INVERSE: u16 = 0x7787;
+    const _: () = assert!(INVERSE.wrapping_mul(0x9e37) == 1);
+    id.wrapping_sub(ID_NOTHING).wrapping_mul(INVERSE) <= BOUNCES
+}
+
 /// What one sample says of its pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample {
@@ -220,6 +232,13 @@ impl Feature {
         Albedo([albedo_share(r), albedo_share(g), albedo_share(b)])
     }
 
+    /// Whether it shows what is infinitely far, in a curved mirror, too, which has its own distance. (A thing whose number is
+    /// [`first_id`] of [`ID_NOTHING`] is taken for that.)
+    #[inline]
+    pub const fn shows_nothing(&self) -> bool {
+        self.depth == DEPTH_NOTHING || is_of_nothing(self.id)
+    }
+
     /// The pixel's light: irradiance times albedo.
     #[inline]
     pub const fn radiance(&self) -> Radiance {
@@ -290,6 +309,20 @@ mod tests {
         }
         assert_eq!(depth_code(i32::MAX), 254);
         assert_eq!(depth_code(-5), 0);
+    }
+
+    #[test]
+    fn nothing_is_known_by_its_number_by_any_way() {
+        let shows_nothing = |id| {
+            Feature {
+                id,
+                ..Feature::default()
+            }
+            .shows_nothing()
+        };
+        assert!((0..=8).all(|bounces| shows_nothing(first_id(ID_NOTHING, bounces))));
+        assert!(!(0..200).any(shows_nothing));
+        assert!(!(1..=8).any(|bounces| (0..200).any(|id| shows_nothing(first_id(id, bounces)))));
     }
 
     fn sample(bits: [u32; 3], albedo: [u16; 3], id: u16) -> Sample {

@@ -281,7 +281,11 @@ fn sample(light: Radiance, first: &First) -> Sample {
             .normal
             .0
             .map(|c| (f64::from(c) / 65536.0 * 127.0).round() as i8),
-        depth: first.distance.map_or(DEPTH_NOTHING, depth_code),
+        // As the network sees it: a sky is one in a mirror, too.
+        depth: match (first.id, first.distance) {
+            (Some(_), Some(distance)) => depth_code(distance),
+            _ => DEPTH_NOTHING,
+        },
     }
 }
 

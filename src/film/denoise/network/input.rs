@@ -19,6 +19,12 @@ impl Input {
         let n = feature.normal.decode().0;
         let n = n.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8);
         let s = logarithm(samples.max(1), 0, 9);
+        // A sky is one, wherever it is seen.
+        let depth = if feature.shows_nothing() {
+            DEPTH_NOTHING
+        } else {
+            feature.depth
+        };
         Input([
             i[0],
             i[1],
@@ -29,7 +35,7 @@ impl Input {
             n[0],
             n[1],
             n[2],
-            feature.depth >> 2,
+            depth >> 2,
             s,
         ])
     }
@@ -53,7 +59,7 @@ pub fn irradiance(feature: &Feature) -> [u16; 3] {
 /// 1 (geometric mean; what is black or infinitely far away does not count). −8 ..= 8.
 pub fn exposure(frame: &[Feature]) -> i32 {
     let (mut sum, mut count) = (0u64, 0u64);
-    for pixel in frame.iter().filter(|pixel| pixel.depth != DEPTH_NOTHING) {
+    for pixel in frame.iter().filter(|pixel| !pixel.shows_nothing()) {
         let code = luma_code(pixel.irradiance);
         sum += u64::from(code);
         count += u64::from(code > 0);
