@@ -269,8 +269,8 @@ unsafe extern "C" fn begin(walk: *mut Walk<'static>, axis: u32, order: u32, reci
         several = const offset_of!(Walk, several),
         across = const offset_of!(Walk, across),
         face = const offset_of!(Walk, face),
-        any = const Order::Any as u32,
-        entry = const Order::Entry as u32,
+        any = const test_of(Order::Any),
+        entry = const test_of(Order::Entry),
     )
 }
 
@@ -605,7 +605,7 @@ unsafe extern "C" fn step(
         facets_plane = const Facets::PLANE,
         facets_flip = const Facets::FLIP,
         facets_recips = const Facets::RECIPS,
-        entry = const Order::Entry as u32,
+        entry = const test_of(Order::Entry),
         across = const offset_of!(Walk, across),
         range = const Facets::RANGE,
         limit = const Facets::LIMIT,
