@@ -75,7 +75,7 @@ const CORES: [Machine; 4] = [
 /// Functions (and places in assembly) whose calls say how much there was to do, by two parts of their names, between
 /// which types may stand.
 const WORK: [(&str, [&str; 2]); 5] = [
-    ("set-ups", ["shape::grid::GridRay", "::enter"]),
+    ("set-ups", ["microlux_asm", "walk::begin"]),
     ("nodes", ["microlux_walk", "_node"]),
     ("shapes", ["shape::Geometry", "::intersect"]),
     ("triangles", ["microlux_facets", "_corners"]),
