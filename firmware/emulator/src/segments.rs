@@ -72,6 +72,11 @@ impl Rays {
             let Some(sample) = vertex.sample(direction, lobe) else {
                 return;
             };
+            // The last is asked for before anything is known of what it is worth.
+            if depth + 1 == path.max_depth {
+                self.segments += 1;
+                return;
+            }
             throughput = throughput.mul(sample.weight);
             eta_squared = eta_squared * sample.eta_squared;
             if throughput.is_black() {
