@@ -8,7 +8,7 @@ use super::armv6m::{facets::look, walk::follow};
 use super::armv7m::facets::Scratch;
 #[cfg(armv7m)]
 use super::armv7m::{facets::look, walk::follow};
-use super::ray::{Corner, Met, Ray};
+use super::ray::{Corner, Met, Ray, number_of};
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far, in the order in which [`look`] reads it.
 #[repr(C)]
@@ -173,9 +173,11 @@ impl<'a> Facets<'a> {
             triangle,
         } = self.nearest;
         let is_met = triangle != NONE;
-        // An exact quotient: by 2, and by the inverse of 3 modulo 2^32.
-        let index = ((triangle.wrapping_sub(self.triangles as usize)) as u32 >> 1).wrapping_mul(0xaaaa_aaab);
-        let triangle = if self.has_mesh() { index } else { triangle as u32 };
+        let triangle = if self.has_mesh() {
+            number_of(triangle, self.triangles)
+        } else {
+            triangle as u32
+        };
         is_met.then_some(Met {
             triangle,
             depth,

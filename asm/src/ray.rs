@@ -25,6 +25,24 @@ pub enum Order {
 
 /// Bytes of a node.
 pub(crate) const NODE: usize = 40;
+
+/// Whether there are `count` nodes, 2-aligned, and no more than an index can tell apart.
+#[inline(always)]
+pub(crate) fn are_nodes(nodes: &[u8], count: usize) -> bool {
+    count <= 1 << 16 && count * NODE <= nodes.len() && nodes.as_ptr() as usize & 1 == 0
+}
+
+/// What tells where a ray comes to the planes of an axis across.
+#[cfg(not(armv6m))]
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub(crate) struct Across {
+    /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
+    pub(crate) beyond: u32,
+    /// 2^23 over the slope's size.
+    pub(crate) recip: u32,
+}
+
 /// Nodes that may wait: what is more is passed by.
 pub const STACK: usize = 40;
 /// Fraction bits of a triangle's depth.
@@ -33,14 +51,21 @@ pub const DEPTH_BITS: u32 = 4;
 /// Leaves of a node that the ray may meet.
 #[derive(Clone, Copy)]
 pub struct Leaves {
-    pub(crate) base: u32,
-    pub(crate) metas: u32,
+    base: u32,
+    metas: u32,
 }
 
 /// Beside a node's first primitive: no node comes after it.
 pub(crate) const LAST_BIT: u32 = 31;
 
 impl Leaves {
+    /// What a step found: the first primitive, and above it the leaves' bytes; `None` at the end of the walk.
+    #[inline(always)]
+    pub(crate) fn found(found: u64) -> Option<Leaves> {
+        let (base, metas) = (found as u32, (found >> 32) as u32);
+        (base != u32::MAX).then_some(Leaves { base, metas })
+    }
+
     /// Of the node's leaves, the first primitive.
     #[inline(always)]
     pub fn base(self) -> u32 {
@@ -78,4 +103,11 @@ pub struct Corner {
     pub at: [i32; 2],
     /// Its coordinate along the dominant axis.
     pub z: i32,
+}
+
+/// Which of `triangles` lies there.
+#[inline(always)]
+pub(crate) fn number_of(triangle: usize, triangles: *const [u16; 3]) -> u32 {
+    // An exact quotient: by 2, and by the inverse of 3 modulo 2^32.
+    (triangle.wrapping_sub(triangles as usize) as u32 >> 1).wrapping_mul(0xaaaa_aaab)
 }

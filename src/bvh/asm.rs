@@ -1,4 +1,4 @@
-//! Walk and triangles in the assembly of ARMv6-M and ARMv7-M: [`super::traverse`] and [`crate::shape`] say what it does.
+//! Walk and triangles in the assembly of ARMv6-M, ARMv7-M and RV32IM: [`super::traverse`] and [`crate::shape`] say what it does.
 
 use super::mesh::{depth_within, stop_within};
 use super::node::Node;

@@ -5,7 +5,7 @@ use core::ptr;
 
 use super::facets;
 use crate::facets::Facets;
-use crate::ray::{DEPTH_BITS, LAST_BIT, Leaves, NODE, Order, Ray, STACK};
+use crate::ray::{DEPTH_BITS, LAST_BIT, Leaves, NODE, Order, Ray, STACK, are_nodes};
 
 /// Where a ray is in a tree, in the order in which [`step`] reads it.
 #[repr(C)]
@@ -84,7 +84,7 @@ impl<'a> Walk<'a> {
         order: Order,
         recips: &[u16; 128],
     ) -> Option<&'w mut Walk<'a>> {
-        if count > 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0 {
+        if !are_nodes(nodes, count) {
             return None;
         }
         let walk = place.as_mut_ptr();
@@ -112,9 +112,7 @@ impl<'a> Walk<'a> {
         }
         // SAFETY: `nodes` points to `count` nodes that outlive the walk, offsets are those of a node's parts, and the stack
         // is as full as `waiting` says.
-        let found = unsafe { step(self, limit, ptr::null_mut()) };
-        let (base, metas) = (found as u32, (found >> 32) as u32);
-        (base != u32::MAX).then_some(Leaves { base, metas })
+        Leaves::found(unsafe { step(self, limit, ptr::null_mut()) })
     }
 }
 

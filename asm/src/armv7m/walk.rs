@@ -5,7 +5,7 @@ use core::ptr;
 
 use super::facets;
 use crate::facets::Facets;
-use crate::ray::{DEPTH_BITS, LAST_BIT, Leaves, NODE, Order, Ray, STACK};
+use crate::ray::{Across, DEPTH_BITS, LAST_BIT, Leaves, Order, Ray, STACK, are_nodes};
 
 /// Where a ray is in a tree.
 #[repr(C)]
@@ -32,21 +32,11 @@ pub struct Walk<'a> {
     /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
     next: u32,
     /// What looks at leaves, if not the caller.
-    facets: *mut Facets<'static>,
+    facets: MaybeUninit<*mut Facets<'static>>,
     /// Which code of [`step`] is the ray's: by its axis, by which slopes fall.
     code: u32,
     stack: MaybeUninit<[u32; STACK]>,
     tree: PhantomData<&'a [u8]>,
-}
-
-/// What tells where a ray comes to an axis' planes.
-#[repr(C)]
-#[derive(Clone, Copy)]
-struct Across {
-    /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
-    beyond: u32,
-    /// 2^23 over the slope's size.
-    recip: u32,
 }
 
 impl Across {
@@ -120,15 +110,8 @@ impl<'a> Walk<'a> {
         }
         // SAFETY: `nodes` points to `count` nodes that outlive the walk, `code` is under 12, and the stack is as full as
         // `waiting` says.
-        let found = unsafe { step(ptr::from_mut(self).cast(), limit as u32, 0, ptr::null_mut()) };
-        let (base, metas) = (found as u32, (found >> 32) as u32);
-        (base != u32::MAX).then_some(Leaves { base, metas })
+        Leaves::found(unsafe { step(ptr::from_mut(self).cast(), limit as u32, 0, ptr::null_mut()) })
     }
-}
-
-#[inline(always)]
-fn are_nodes(nodes: &[u8], count: usize) -> bool {
-    count <= 1 << 16 && count * NODE <= nodes.len() && nodes.as_ptr() as usize & 1 == 0
 }
 
 /// [`Facets::follow`]: the ray is what the facets say of it.

@@ -3,7 +3,7 @@ use core::marker::PhantomData;
 use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
-use crate::ray::{Corner, DEPTH_BITS, Met, Ray};
+use crate::ray::{Corner, DEPTH_BITS, Met, Ray, number_of};
 
 /// A mesh's triangles as a ray sees them, and the nearest hit so far.
 #[repr(C)]
@@ -195,9 +195,11 @@ impl<'a> Facets<'a> {
             triangle,
         } = self.nearest;
         let is_met = triangle != NONE;
-        // An exact quotient: by 2, and by the inverse of 3 modulo 2^32.
-        let index = ((triangle.wrapping_sub(self.triangles as usize)) as u32 >> 1).wrapping_mul(0xaaaa_aaab);
-        let triangle = if self.has_mesh() { index } else { triangle as u32 };
+        let triangle = if self.has_mesh() {
+            number_of(triangle, self.triangles)
+        } else {
+            triangle as u32
+        };
         is_met.then(|| Met {
             triangle,
             depth,

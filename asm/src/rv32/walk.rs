@@ -4,7 +4,7 @@ use core::mem::{MaybeUninit, offset_of};
 use core::ptr;
 
 use super::facets::{self, Facets};
-use crate::ray::{DEPTH_BITS, Leaves, NODE, Order, Ray, STACK};
+use crate::ray::{Across, DEPTH_BITS, Leaves, NODE, Order, Ray, STACK, are_nodes};
 
 /// The place of [`step`]'s table of tests, by [`Order`].
 const fn test_of(order: Order) -> u32 {
@@ -35,20 +35,11 @@ pub struct Walk<'a> {
     /// The node that comes next, if it is not beyond the limit: depth and index, as those that wait.
     next: u32,
     /// What looks at leaves, if not the caller.
-    facets: *mut Facets<'static>,
+    facets: MaybeUninit<*mut Facets<'static>>,
     /// Bytes of those that wait; before them stands what is beyond every limit.
     waiting: u32,
     stack: MaybeUninit<[u32; STACK + 1]>,
     tree: PhantomData<&'a [u8]>,
-}
-
-/// Of an axis across.
-#[repr(C)]
-struct Across {
-    /// The slope's size · 2^8: as far aside or farther is no way within a node. 0 of slopes under 1/32.
-    beyond: u32,
-    /// 2^23 over the slope's size.
-    recip: u32,
 }
 
 impl<'a> Walk<'a> {
@@ -63,8 +54,7 @@ impl<'a> Walk<'a> {
         order: Order,
         recips: &[u16; 128],
     ) -> Option<&'w mut Walk<'a>> {
-        if count.wrapping_sub(1) >= 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0
-        {
+        if count == 0 || !are_nodes(nodes, count) {
             return None;
         }
         let walk = place.as_mut_ptr();
@@ -91,9 +81,7 @@ impl<'a> Walk<'a> {
         }
         // SAFETY: `nodes` points to as many nodes as `last` says, which outlive the walk, and the stack is as full as
         // `waiting` says.
-        let found = unsafe { step(ptr::from_mut(self).cast(), limit, ptr::null_mut(), 0, 0) };
-        let (base, metas) = (found as u32, (found >> 32) as u32);
-        (base != u32::MAX).then_some(Leaves { base, metas })
+        Leaves::found(unsafe { step(ptr::from_mut(self).cast(), limit, ptr::null_mut(), 0, 0) })
     }
 }
 
@@ -102,8 +90,7 @@ impl Facets<'_> {
     /// it has met.
     #[inline(always)]
     pub fn follow(&mut self, nodes: &[u8], count: usize, ray: &Ray, _: &[u16; 128]) {
-        if count.wrapping_sub(1) >= 1 << 16 || count * NODE > nodes.len() || nodes.as_ptr() as usize & 1 != 0
-        {
+        if count == 0 || !are_nodes(nodes, count) {
             return;
         }
         // SAFETY: it is asked of a mesh alone.
