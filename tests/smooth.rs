@@ -11,14 +11,12 @@ use microlux::sampler::{Independent, PcgRxsMXs32, Sampler};
 use microlux::scene::{Borrowed, Mesh, Scene, SceneBuilder};
 use microlux::shape::{Attributes, Geometry, Grid, TriangleMesh};
 
-/// A large horizontal triangle at height 0 about the origin, all its normals (x, y, 0) on the way to `lean`, in the light of a
-/// point; and what a ray from `eye` to the origin brings back of it.
-fn seen(lean: [i32; 3], lamp: [i32; 3], eye: [i32; 3]) -> Radiance {
+/// A large horizontal triangle at height 0 about the origin, with these normals, in the light of a point.
+fn on_floor<R>(normals: &[Octahedral], lamp: [i32; 3], look: impl FnOnce(&Scene) -> R) -> R {
     let origin = Point([-(1 << 19), -(1 << 19), -(1 << 19)]);
     let grid = Grid::new(origin, 4).unwrap();
     let vertices = [[100, 32768, 100], [65000, 32768, 100], [32768, 32768, 65000]];
     let mut triangles = [[0, 2, 1]];
-    let normals = [Octahedral::encode(Dir::new(lean).unwrap()); 3];
     let mut tree = [Node::EMPTY; max_nodes(1)];
     let used = build_mesh(&vertices, &mut triangles, &mut tree).unwrap();
     let meshes = [Mesh {
@@ -27,7 +25,7 @@ fn seen(lean: [i32; 3], lamp: [i32; 3], eye: [i32; 3]) -> Radiance {
             vertices: &vertices,
             triangles: &triangles,
             attributes: Attributes {
-                normals: &normals,
+                normals,
                 ..Attributes::NONE
             },
         }
@@ -49,12 +47,23 @@ fn seen(lean: [i32; 3], lamp: [i32; 3], eye: [i32; 3]) -> Radiance {
         ..Borrowed::default()
     };
     let mut nodes = [Node::EMPTY; max_nodes(1)];
-    let scene: Scene = builder.build_from(borrowed, &mut nodes).unwrap();
+    look(&builder.build_from(borrowed, &mut nodes).unwrap())
+}
+
+fn towards_the_middle(eye: [i32; 3]) -> Ray {
     let origin = Point(eye);
     let (dir, _) = origin.to(Point([0; 3])).normalize().unwrap();
-    let mut sampler = Independent::<PcgRxsMXs32>::new(1);
-    sampler.start(0, 0, 0);
-    Path::direct().radiance(&scene, Ray { origin, dir }, &mut sampler, &mut 0)
+    Ray { origin, dir }
+}
+
+/// What a ray from `eye` to the origin brings back of it, all its normals (x, y, 0) on the way to `lean`.
+fn seen(lean: [i32; 3], lamp: [i32; 3], eye: [i32; 3]) -> Radiance {
+    let normals = [Octahedral::encode(Dir::new(lean).unwrap()); 3];
+    on_floor(&normals, lamp, |scene| {
+        let mut sampler = Independent::<PcgRxsMXs32>::new(1);
+        sampler.start(0, 0, 0);
+        Path::direct().radiance(scene, towards_the_middle(eye), &mut sampler, &mut 0)
+    })
 }
 
 const STEP: i32 = 1 << 16;
@@ -96,4 +105,18 @@ fn the_cosine_is_the_shading_normals() {
     let number = |light: Radiance| light.max_channel().to_fixed(16) as f64;
     let ratio = number(seen([STEP, STEP, 0], lamp, eye)) / number(seen([0, STEP, 0], lamp, eye));
     assert!((ratio - 0.5f64.sqrt()).abs() < 0.01, "{ratio}");
+}
+
+/// A mirror there shows things behind it, or on it.
+#[test]
+fn a_mesh_is_flat_where_its_vertices_have_no_normals() {
+    let is_flat = |normals: &[Octahedral]| {
+        on_floor(normals, [0, 4 * STEP, 0], |scene| {
+            let ray = towards_the_middle([STEP, 4 * STEP, 0]);
+            let hit = scene.closest(&ray).unwrap();
+            scene.is_flat(&hit, &scene.vertex(&ray, &hit))
+        })
+    };
+    assert!(is_flat(&[]));
+    assert!(!is_flat(&[Octahedral::encode(Dir::Y); 3]));
 }

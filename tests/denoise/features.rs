@@ -8,13 +8,14 @@ use microlux::geom::{Dir, Point};
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, Path};
 use microlux::light::Light;
 use microlux::material::Material;
-use microlux::num::{Share, Turn};
+use microlux::num::{Share, Turn, Uniform};
 use microlux::q;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::Sobol;
 use microlux::scene::builtin::Builtin;
 use microlux::scene::{Scene, SceneBuilder};
 use microlux::shape::{Plane, Sphere};
+use std::collections::BTreeMap;
 
 const SETTINGS: Settings = Settings {
     width: 24,
@@ -173,6 +174,44 @@ fn what_a_mirror_shows_is_behind_it_if_it_is_flat_and_on_it_if_it_is_a_ball() {
     assert_eq!(ball, (first_id(1, 1), front));
     let (ball, front, _) = seen(true, false);
     assert_eq!(ball, (sky, front));
+}
+
+/// A piece of a flat shape looks one way all over, a curved shape does not.
+#[test]
+fn what_is_flat_looks_one_way() {
+    let mut kinds = [0; 2];
+    for builtin in [
+        Builtin::Cornell,
+        Builtin::Materials,
+        Builtin::Torus,
+        Builtin::Implicits,
+    ] {
+        builtin
+            .with(|scene, camera| {
+                let (width, height) = (96, 80);
+                let film = camera.film(width, height);
+                let middle = [Uniform::from_bits(1 << 31); 2];
+                let mut seen: BTreeMap<(bool, u16, u32), Vec<Dir>> = BTreeMap::new();
+                for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                    let ray = film.ray(x, y, middle, middle).unwrap();
+                    let Some(hit) = scene.closest(&ray) else {
+                        continue;
+                    };
+                    let vertex = scene.vertex(&ray, &hit);
+                    let is_flat = scene.is_flat(&hit, &vertex);
+                    let piece = if is_flat { hit.triangle } else { 0 };
+                    let ways = seen.entry((is_flat, hit.shape, piece)).or_default();
+                    ways.push(vertex.facing());
+                }
+                for ((is_flat, shape, _), ways) in seen.into_iter().filter(|(_, ways)| ways.len() > 20) {
+                    let is_one = ways.iter().all(|way| *way == ways[0]);
+                    assert_eq!(is_one, is_flat, "{builtin:?} {shape}");
+                    kinds[usize::from(is_flat)] += 1;
+                }
+            })
+            .unwrap();
+    }
+    assert!(kinds[0] > 5 && kinds[1] > 5, "{kinds:?}");
 }
 
 #[test]

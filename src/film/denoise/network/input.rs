@@ -102,6 +102,7 @@ fn logarithm(x: u32, one: u32, steps: u32) -> u8 {
 mod tests {
     use super::*;
     use crate::color::{Radiance, Rgb9e5};
+    use crate::film::feature::{ID_NOTHING, first_id};
     use crate::geom::{Dir, Octahedral};
 
     #[test]
@@ -132,6 +133,14 @@ mod tests {
             ..grey
         };
         assert_eq!(exposure(&[dark, sky]), 3);
+        // The same in a curved mirror, which has a distance.
+        let mirrored = Feature {
+            depth: 80,
+            id: first_id(ID_NOTHING, 1),
+            ..grey
+        };
+        assert_eq!(exposure(&[dark, mirrored]), 3);
+        assert_eq!(Input::new(&mirrored, 4, 0), Input::new(&sky, 4, 0));
         assert_eq!(exposure(&[sky, Feature::default()]), 0);
         assert_eq!(exposure(&[]), 0);
         let most = Feature {
