@@ -90,14 +90,7 @@ impl<'a> Facets<'a> {
             triangles: triangles.as_ptr(),
             triangle_count: MaybeUninit::new(triangles.len() as u32),
             axis: u32::from(ray.axis.min(2)) * 4,
-            plane: ray.plane,
-            negative: ray.negative.into(),
-            recips,
-            once: once.into(),
-            nearest: Nearest::before(depth),
-            #[cfg(armv7m)]
-            scratch: MaybeUninit::uninit(),
-            lists: PhantomData,
+            ..Facets::of_corners(recips, ray.plane, ray.negative, depth, once)
         }
     }
 

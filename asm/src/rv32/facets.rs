@@ -106,15 +106,7 @@ impl<'a> Facets<'a> {
             offsets: MaybeUninit::new(ray.offsets),
             end: MaybeUninit::new(triangles.as_ptr_range().end),
             front: MaybeUninit::new(front),
-            plane: ray.plane,
-            flip: -i32::from(ray.negative),
-            scales: scales(ray.negative),
-            recips,
-            once: once.into(),
-            nearest: Nearest::before(depth),
-            range: MaybeUninit::uninit(),
-            limit: MaybeUninit::uninit(),
-            lists: PhantomData,
+            ..Facets::of_corners(recips, ray.plane, ray.negative, depth, once)
         }
     }
 
