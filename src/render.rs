@@ -226,7 +226,8 @@ fn fill<T>(area: Rectangle, strip: &mut [T], mut at: impl FnMut(u16, u16) -> T) 
     done
 }
 
-fn sample(radiance: Radiance, first: &First) -> feature::Sample {
+/// What a path of this light, and what it met first, say of their pixel.
+pub fn sample(radiance: Radiance, first: &First) -> feature::Sample {
     feature::Sample {
         radiance,
         albedo: first.albedo,

@@ -11,8 +11,9 @@ use host_sim::quantise::CoreScene;
 use indicatif::{ProgressBar, ProgressStyle};
 use microlux::color::{Radiance, mean_q32};
 use microlux::film::Feature;
-use microlux::film::feature::{self, DEPTH_NOTHING, ID_NOTHING, Sum, depth_code};
+use microlux::film::feature::{DEPTH_NOTHING, Sum, depth_code};
 use microlux::integrator::{First, Integrator, Path as PathTracer, View};
+use microlux::render;
 use microlux::sampler::{Sampler, Sobol};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -180,13 +181,7 @@ pub fn frame(shot: &Shot, count: usize) -> Result<Vec<Feature>> {
         count as u32,
         |seen| {
             if let Some((radiance, first)) = seen {
-                sum.add(&feature::Sample {
-                    radiance,
-                    albedo: first.albedo,
-                    normal: first.normal,
-                    distance: first.distance,
-                    id: feature::first_id(first.id.unwrap_or(ID_NOTHING), first.bounces),
-                });
+                sum.add(&render::sample(radiance, first));
             }
             samples += 1;
             if samples % count == 0 {
