@@ -185,16 +185,27 @@ const fn rays(name: &'static str, motif: Motif, kind: Kind) -> Job {
     }
 }
 
-/// Camera rays and paths in four scenes, two of them with meshes.
-const RAYS: [Job; 8] = [
+/// Camera rays and paths in three scenes, one of them with a mesh.
+const RAYS: [Job; 6] = [
     rays("cornell-primary", Motif::Builtin(Cornell), Primary),
     rays("cornell-paths", Motif::Builtin(Cornell), Kind::Path),
     rays("spheres-primary", Motif::Builtin(Spheres), Primary),
     rays("spheres-paths", Motif::Builtin(Spheres), Kind::Path),
     rays("torus-primary", Motif::Builtin(Torus), Primary),
     rays("torus-paths", Motif::Builtin(Torus), Kind::Path),
-    rays("mesh-primary", Motif::Mesh, Primary),
-    rays("mesh-paths", Motif::Mesh, Kind::Path),
+];
+
+/// The same of the mesh in flash, which takes 33 KB.
+#[cfg(feature = "roomy")]
+const MESH: &[Job] = &[
+    Job {
+        reach: Reach::Roomy,
+        ..rays("mesh-primary", Motif::Mesh, Primary)
+    },
+    Job {
+        reach: Reach::Roomy,
+        ..rays("mesh-paths", Motif::Mesh, Kind::Path)
+    },
 ];
 
 /// The first seed of each row, and who renders it.
@@ -347,6 +358,8 @@ const OTHERS: &[Job] = &[picture(
 )];
 
 #[cfg(not(feature = "roomy"))]
+const MESH: &[Job] = &[];
+#[cfg(not(feature = "roomy"))]
 const TRANSPORT: &[Job] = &[];
 #[cfg(not(feature = "roomy"))]
 const OTHERS: &[Job] = &[];
@@ -357,7 +370,11 @@ const DENOISED: &[Job] = &[];
 /// first, so that it is the same where there are no others.
 pub fn all() -> impl Iterator<Item = &'static Job> {
     let everywhere = OWN.iter().chain(flags::JOBS).chain(PICTURES).chain(&RAYS);
-    everywhere.chain(TRANSPORT).chain(OTHERS).chain(DENOISED)
+    everywhere
+        .chain(MESH)
+        .chain(TRANSPORT)
+        .chain(OTHERS)
+        .chain(DENOISED)
 }
 
 /// The jobs of one machine, with their regions.

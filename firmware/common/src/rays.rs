@@ -14,7 +14,9 @@ use microlux::{
     scene::{Scene, builtin::Builtin},
 };
 
-use crate::{fingerprint, golden::SETTINGS, mesh, region, stage::Pedestal};
+use crate::{fingerprint, golden::SETTINGS, region};
+#[cfg(feature = "roomy")]
+use crate::{mesh, stage::Pedestal};
 
 /// Longest path, in segments.
 pub const MAX_DEPTH: u16 = 8;
@@ -31,6 +33,7 @@ pub struct Bundle {
 pub enum Motif {
     Builtin(Builtin),
     /// The mesh in flash: a knot of 3,072 triangles, if no other was baked in.
+    #[cfg(feature = "roomy")]
     Mesh,
 }
 
@@ -58,6 +61,7 @@ impl Motif {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Builtin(scene) => scene.name(),
+            #[cfg(feature = "roomy")]
             Self::Mesh => "mesh",
         }
     }
@@ -66,12 +70,14 @@ impl Motif {
     pub fn with<R>(self, look: impl FnOnce(&Scene, Camera) -> R) -> Option<R> {
         match self {
             Self::Builtin(scene) => scene.with(look).ok(),
+            #[cfg(feature = "roomy")]
             Self::Mesh => with_mesh(look),
         }
     }
 }
 
 /// Not inlined, so that its memory is taken while it runs and no longer.
+#[cfg(feature = "roomy")]
 #[inline(never)]
 fn with_mesh<R>(look: impl FnOnce(&Scene, Camera) -> R) -> Option<R> {
     let mut pedestal = Pedestal::new(mesh::baked().ok()?);
