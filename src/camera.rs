@@ -1,6 +1,6 @@
 //! From a place in the picture to a ray.
 
-use crate::geom::{Dir, Norm, Offset, Point, Ray};
+use crate::geom::{Beam, Dir, Norm, Offset, Point, Ray};
 use crate::num::{
     ONE_Q16, Recip, Uniform, Wide, leading_zeros, mul_q16, mul_shift, mul_shift_brief, mul_shift_medium,
     recip,
@@ -117,6 +117,14 @@ impl Camera {
             density: density_ahead(self.tan_half, width, height),
         }
     }
+
+    /// Whether its three directions stand at right angles, to cosines of 2^-13.
+    fn is_square(&self) -> bool {
+        let [r, u, f] = self.frame();
+        [r.dot(u), u.dot(f), f.dot(r)]
+            .iter()
+            .all(|cos| cos.abs() <= 1 << 3)
+    }
 }
 
 /// A camera with a picture's size: pixel (x, y) covers [x, x + 1) × [y, y + 1), y down.
@@ -165,23 +173,11 @@ impl FilmPlane {
     #[inline]
     pub fn ray(&self, x: u16, y: u16, place: [Uniform; 2], lens: [Uniform; 2]) -> Option<Ray> {
         let camera = &self.camera;
-        // From the middle, in half-pixels Q16 (under 2^30), times tan/width: Q20 at distance 1.
+        // From the middle, in half-pixels Q16 (under 2^30).
         let across =
             |pixel: u16, u: Uniform| ((pixel.min(MAX_SIDE - 1) as i32) << 17) + (u.to_bits() >> 15) as i32;
-        let dx = across(x, place[0]) - self.half_width;
-        let dy = self.half_height - across(y, place[1]);
-        let tan = camera.tan_half.to_bits();
-        let to_plane = |d: i32| {
-            if self.is_small {
-                // |d| < 2^26, 1/width · 2^(shift − 11) is 2^27 at least.
-                let r = self.per_width;
-                let share = mul_shift_medium(d, (r.mantissa >> 1) as i32, r.shift - 11);
-                mul_shift_brief(tan, share, 26)
-            } else {
-                mul_shift(self.per_width.times(d, 10), tan, 26)
-            }
-        };
-        let (sx, sy) = (to_plane(dx), to_plane(dy));
+        let sx = self.aside(across(x, place[0]) - self.half_width);
+        let sy = self.aside(self.half_height - across(y, place[1]));
         let (r, u, f) = (camera.right.0, camera.up.0, camera.forward.0);
         // Axes of a camera that stands upright have components of 0.
         let share = |s: i32, d: i32| if d == 0 { 0 } else { mul_q16(s, d) };
@@ -207,6 +203,47 @@ impl FilmPlane {
             origin,
             dir: origin.to(in_focus).normalize()?.0,
         })
+    }
+
+    /// A place from the middle of the film, half-pixels Q16 (under 2^30), times tan/width: Q20 at distance 1.
+    #[inline(always)]
+    fn aside(&self, d: i32) -> i32 {
+        let tan = self.camera.tan_half.to_bits();
+        if self.is_small {
+            // |d| < 2^26, 1/width · 2^(shift − 11) is 2^27 at least.
+            let r = self.per_width;
+            let share = mul_shift_medium(d, (r.mantissa >> 1) as i32, r.shift - 11);
+            mul_shift_brief(tan, share, 26)
+        } else {
+            mul_shift(self.per_width.times(d, 10), tan, 26)
+        }
+    }
+
+    /// About all rays through pixels `x` to `x` + `side` and `y` to `y` + `side`, those after the last left out.
+    ///
+    /// `None` of a camera that has a lens, and of what is more than 45° aside or above its view.
+    pub fn beam(&self, x: u16, y: u16, side: u16) -> Option<Beam> {
+        let camera = &self.camera;
+        if camera.has_lens() || !camera.is_square() {
+            return None;
+        }
+        let edge = |pixel: u16, by: u16| (pixel.saturating_add(by).min(MAX_SIDE - 1) as i32) << 17;
+        let mut edges = [edge(x, 0), edge(x, side), -edge(y, side), -edge(y, 0)];
+        for (axis, edges) in [-self.half_width, self.half_height]
+            .iter()
+            .zip(edges.chunks_exact_mut(2))
+        {
+            for edge in edges {
+                *edge = self.aside_of_few(*axis + *edge);
+            }
+        }
+        Beam::new(camera.origin, camera.frame(), edges)
+    }
+
+    /// [`Self::aside`] where that is seldom asked for.
+    #[inline(never)]
+    fn aside_of_few(&self, d: i32) -> i32 {
+        self.aside(d)
     }
 
     /// The density per solid angle with which a ray through a place drawn anywhere on the film goes this way:

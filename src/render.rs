@@ -8,7 +8,7 @@ use crate::film::{Exposure, Tile};
 use crate::integrator::{Features, First, Integrator, NoSplats, Path, SplatSink, View, features, first};
 use crate::num::Uniform;
 use crate::sampler::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Ahead, Scene};
 use embedded_graphics::geometry::{Point, Size};
 use embedded_graphics::primitives::Rectangle;
 
@@ -31,6 +31,7 @@ pub struct Renderer<'s, S, I = Path> {
     integrator: I,
     settings: Settings,
     sampler: S,
+    blocks: Blocks,
     /// Pixels done, row by row.
     done: u32,
     rays: u32,
@@ -45,6 +46,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
             integrator,
             settings,
             sampler,
+            blocks: Blocks::of(settings.width),
             done: 0,
             rays: 0,
         }
@@ -60,6 +62,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
         };
         let mut sum = [0u64; 3];
         let spp = self.settings.spp.clamp(1, 1 << 16);
+        let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
         for index in 0..spp {
             self.sampler.start(x, y, index);
             let place = self.sampler.next_2d();
@@ -68,6 +71,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
                 let view = View {
                     scene: self.scene,
                     film: &self.film,
+                    ahead,
                 };
                 let light =
                     self.integrator
@@ -89,6 +93,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
         let view = View {
             scene: self.scene,
             film: &self.film,
+            ahead: self.blocks.ahead(self.scene, &self.film, x, y),
         };
         for index in 0..self.settings.spp.clamp(1, 1 << 16) {
             self.sampler.start(x, y, index);
@@ -112,6 +117,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
             )
         };
         let mut sum = feature::Sum::default();
+        let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
         for index in 0..self.settings.spp.clamp(1, 1 << 16) {
             self.sampler.start(x, y, index);
             let place = self.sampler.next_2d();
@@ -122,6 +128,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
             let view = View {
                 scene: self.scene,
                 film: &self.film,
+                ahead,
             };
             let (radiance, first) = self
                 .integrator
@@ -134,11 +141,13 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
     /// What the ray through the middle of a pixel meets first, without its light: what leads [`film::denoise::upsample`].
     ///
     /// [`film::denoise::upsample`]: crate::film::denoise::upsample
-    pub fn guide(&self, x: u16, y: u16) -> Feature {
+    pub fn guide(&mut self, x: u16, y: u16) -> Feature {
         let middle = [Uniform::from_bits(1 << 31); 2];
         let mut sum = feature::Sum::default();
         if let Some(ray) = self.film.ray(x, y, middle, middle) {
-            sum.add(&sample(Radiance::BLACK, &first(self.scene, ray, &mut 0)));
+            let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
+            let first = first(self.scene, ahead.seen, ray, &mut 0);
+            sum.add(&sample(Radiance::BLACK, &first));
         }
         sum.mean()
     }
@@ -205,6 +214,51 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
 
     pub fn settings(&self) -> Settings {
         self.settings
+    }
+}
+
+/// What is ahead of the camera's rays in each of a row of square blocks of pixels, as far as it was asked for.
+#[derive(Clone, Copy, Debug)]
+struct Blocks {
+    /// Log2 of a block's side: at least 16 pixels, and no more blocks than there is room for.
+    bits: u32,
+    /// Which row of blocks it is.
+    row: u16,
+    ahead: [Option<Ahead>; 16],
+}
+
+impl Blocks {
+    fn of(width: u16) -> Blocks {
+        Blocks {
+            bits: (4..12).find(|bits| width as u32 <= 16 << bits).unwrap_or(12),
+            row: 0,
+            ahead: [None; 16],
+        }
+    }
+
+    #[inline]
+    fn ahead(&mut self, scene: &Scene, film: &FilmPlane, x: u16, y: u16) -> Ahead {
+        let (column, row) = (x >> self.bits, y >> self.bits);
+        if self.row == row
+            && let Some(Some(ahead)) = self.ahead.get(column as usize)
+        {
+            return *ahead;
+        }
+        self.look(scene, film, column, row)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self, scene: &Scene, film: &FilmPlane, column: u16, row: u16) -> Ahead {
+        if self.row != row {
+            (self.row, self.ahead) = (row, [None; 16]);
+        }
+        let beam = film.beam(column << self.bits, row << self.bits, 1 << self.bits);
+        let ahead = beam.map_or(Ahead::ANY, |beam| scene.ahead(&beam));
+        if let Some(known) = self.ahead.get_mut(column as usize) {
+            *known = Some(ahead);
+        }
+        ahead
     }
 }
 

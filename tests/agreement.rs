@@ -172,7 +172,7 @@ impl Tally for ByStrategy {
 /// Each strategy's means by seed, unweighted, of paths up to `depth` segments.
 fn alone(scene: &Scene, camera: Camera, depth: u16, spp: u32) -> BTreeMap<Strategy, Means> {
     let film = camera.film(SIDE, SIDE);
-    let view = View { scene, film: &film };
+    let view = View::new(scene, &film);
     let mut all: BTreeMap<Strategy, Means> = BTreeMap::new();
     for seed in 1..=SEEDS {
         let mut sampler = Pcg::new(seed);

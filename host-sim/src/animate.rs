@@ -116,7 +116,7 @@ pub fn animation(
                     area,
                     pixels: &pixels,
                 };
-                let guides = guides(&scene, now, width, height);
+                let mut guides = guides(&scene, now, width, height);
                 let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
                 let features: Vec<_> = places.map(|(x, y)| guides.guide(x, y)).collect();
                 let before = last

@@ -299,18 +299,22 @@ pub fn show(
     let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
     let is_large = cleaning.upscale == 2;
     if cleaning.denoise == Denoise::Off {
-        let pixel = |y, x| {
-            if is_large {
-                clean.pixel_2x(x, y, &guides.guide(x, y))
-            } else {
-                clean.pixel(x, y)
-            }
+        let row = |y: u16| {
+            let mut guides = guides.clone();
+            let pixel = |x| {
+                if is_large {
+                    clean.pixel_2x(x, y, &guides.guide(x, y))
+                } else {
+                    clean.pixel(x, y)
+                }
+            };
+            (0..width).map(pixel).collect::<Vec<_>>()
         };
-        let row = |y: u16| (0..width).map(move |x| pixel(y, x)).collect::<Vec<_>>();
         return (0..height).into_par_iter().flat_map_iter(row).collect();
     }
     let band = |number: u16| {
         let rows = number * BAND..height.min((number + 1) * BAND);
+        let mut guides = guides.clone();
         let mut ring = vec![Seen::default(); 3 * usize::from(width)];
         let mut pixels = Vec::new();
         let show = |y, row: Row| match before {

@@ -3,6 +3,7 @@
 //! Coordinates are i32 in scene units. A [`Unit`] says how many units a metre has: a power of two, chosen when the
 //! scene is made, so that everything finite lies within ±[`REACH`].
 
+mod beam;
 mod frame;
 mod octahedral;
 mod ray;
@@ -10,6 +11,7 @@ mod rotation;
 mod unit;
 mod vec;
 
+pub use beam::Beam;
 pub use frame::Frame;
 pub use octahedral::Octahedral;
 pub use ray::Ray;

@@ -48,7 +48,7 @@ impl Integrator for AmbientOcclusion {
         rays: &mut u32,
     ) -> Radiance {
         *rays = rays.wrapping_add(1);
-        let Some(hit) = view.scene.closest(&ray) else {
+        let Some(hit) = view.closest(&ray) else {
             return Radiance::BLACK;
         };
         let vertex = view.scene.vertex(&ray, &hit);

@@ -1,8 +1,9 @@
+use super::View;
 use crate::color::{Albedo, Radiance};
 use crate::geom::{Dir, Ray};
 use crate::material::Material;
 use crate::num::{Share, Uniform};
-use crate::scene::{Hit, Scene, Vertex};
+use crate::scene::{Hit, Scene, ShapeSet, Vertex};
 
 /// What is seen first that is no mirror or glass: the layers beside a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +23,7 @@ const BOUNCES: usize = 8;
 /// Follows a ray through mirrors and through glass (refracted, unless all is reflected); `None` where it meets nothing.
 pub fn features(scene: &Scene, ray: Ray) -> Option<Features> {
     let mut last = Last { depth: 0, seen: None };
-    follow(scene, ray, &mut last, &mut 0);
+    follow(scene, ShapeSet::ALL, ray, &mut last, &mut 0);
     last.seen
 }
 
@@ -52,20 +53,20 @@ impl Witness for Last {
 
 /// The same as a path's [`Witness`] would tell it: what shines and what is beyond everything has an answer, too.
 ///
-/// `rays` counts what was asked of the scene.
-pub fn first(scene: &Scene, ray: Ray, rays: &mut u32) -> First {
+/// `seen` is what the ray may meet itself; `rays` counts what was asked of the scene.
+pub fn first(scene: &Scene, seen: ShapeSet, ray: Ray, rays: &mut u32) -> First {
     let mut first = First::new();
-    follow(scene, ray, &mut first, rays);
+    follow(scene, seen, ray, &mut first, rays);
     first
 }
 
 /// Tells what the way meets that [`features`] follows.
-fn follow(scene: &Scene, ray: Ray, witness: &mut impl Witness, rays: &mut u32) {
-    let mut ray = ray;
+fn follow(scene: &Scene, seen: ShapeSet, ray: Ray, witness: &mut impl Witness, rays: &mut u32) {
+    let (mut ray, mut seen) = (ray, seen);
     let mut throughput = Radiance::WHITE;
     for bounce in 0..=BOUNCES {
         *rays = rays.wrapping_add(1);
-        let Some(hit) = scene.closest(&ray) else {
+        let Some(hit) = scene.closest_among(&ray, seen) else {
             return witness.nothing(&ray, throughput);
         };
         let vertex = scene.vertex(&ray, &hit);
@@ -78,6 +79,7 @@ fn follow(scene: &Scene, ray: Ray, witness: &mut impl Witness, rays: &mut u32) {
             return;
         };
         throughput = throughput.mul(onward.weight);
+        seen = ShapeSet::ALL;
         ray = Ray {
             origin: vertex.surface.leave(onward.wi),
             dir: onward.wi,
@@ -163,9 +165,9 @@ pub struct First {
 impl First {
     /// What a path along `ray` met first, or, where glass drew lots for it, what [`first`] finds there: the same for all
     /// paths, so that chance is in their light alone.
-    pub(super) fn settled(self, scene: &Scene, ray: Ray, rays: &mut u32) -> First {
+    pub(super) fn settled(self, view: &View, ray: Ray, rays: &mut u32) -> First {
         if self.is_drawn {
-            first(scene, ray, rays)
+            first(view.scene, view.ahead.seen, ray, rays)
         } else {
             self
         }

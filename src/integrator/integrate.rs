@@ -3,7 +3,7 @@ use crate::camera::FilmPlane;
 use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::sampler::Sampler;
-use crate::scene::Scene;
+use crate::scene::{Ahead, Hit, Scene};
 
 /// How light is followed: what comes back along one camera ray, and what arrives elsewhere in the picture meanwhile.
 pub trait Integrator {
@@ -29,7 +29,7 @@ pub trait Integrator {
     /// Unless the integrator knows better, that is what [`first`] finds along the ray.
     fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
         let light = self.radiance(view, ray, sampler, &mut NoSplats, rays);
-        (light, first(view.scene, ray, rays))
+        (light, first(view.scene, view.ahead.seen, ray, rays))
     }
 }
 
@@ -38,6 +38,25 @@ pub trait Integrator {
 pub struct View<'a> {
     pub scene: &'a Scene<'a>,
     pub film: &'a FilmPlane,
+    /// What is ahead of the camera's rays that are asked for.
+    pub ahead: Ahead,
+}
+
+impl<'a> View<'a> {
+    /// For any of the film's rays.
+    pub fn new(scene: &'a Scene<'a>, film: &'a FilmPlane) -> View<'a> {
+        View {
+            scene,
+            film,
+            ahead: Ahead::ANY,
+        }
+    }
+
+    /// The first thing that a ray of the camera meets.
+    #[inline]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        self.scene.closest_among(ray, self.ahead.seen)
+    }
 }
 
 /// The whole picture, for light that arrives anywhere in it: a sum a pixel, in whatever order.

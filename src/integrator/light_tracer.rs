@@ -69,7 +69,7 @@ impl Integrator for LightTracer {
             return Radiance::BLACK;
         }
         *rays = rays.wrapping_add(1);
-        match view.scene.closest(&ray) {
+        match view.closest(&ray) {
             Some(hit) => view.scene.vertex(&ray, &hit).emission,
             None => view.scene.background(ray.dir),
         }

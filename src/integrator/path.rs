@@ -4,7 +4,7 @@ use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
-use crate::scene::{Scene, Seen, Vertex};
+use crate::scene::{Ahead, Scene, Seen, ShapeSet, Vertex};
 
 /// Path tracing: at each vertex a light is sampled and the BSDF is sampled, joined by multiple importance sampling.
 ///
@@ -45,20 +45,21 @@ impl Path {
     ///
     /// `rays` counts what was asked of the scene, nearest hits and shadow rays.
     pub fn radiance(&self, scene: &Scene, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> Radiance {
-        self.follow(scene, ray, sampler, rays, &mut NoWitness)
+        self.follow(scene, Ahead::ANY, ray, sampler, rays, &mut NoWitness)
     }
 
-    /// [`Self::radiance`], with `witness` told of what the path meets.
+    /// [`Self::radiance`] along a ray of which `ahead` tells what it may meet, with `witness` told of what the path meets.
     #[inline]
     pub fn follow(
         &self,
         scene: &Scene,
+        ahead: Ahead,
         ray: Ray,
         sampler: &mut impl Sampler,
         rays: &mut u32,
         witness: &mut impl Witness,
     ) -> Radiance {
-        let mut ray = ray;
+        let (mut ray, mut ahead) = (ray, ahead);
         let mut sum = Radiance::BLACK;
         let mut throughput = Radiance::WHITE;
         let mut eta_squared = Wide::ONE;
@@ -73,7 +74,9 @@ impl Path {
             depth += 1;
             let seen = end.unwrap_or_else(|| {
                 *rays += 1;
-                scene.closest(&ray).map_or(Seen::Environment, Seen::Emitter)
+                scene
+                    .closest_among(&ray, ahead.seen)
+                    .map_or(Seen::Environment, Seen::Emitter)
             });
             let hit = match seen {
                 Seen::Emitter(hit) => hit,
@@ -98,6 +101,7 @@ impl Path {
                 witness.passed(hit.t);
                 depth = 0;
                 ray.origin = vertex.surface.leave(ray.dir);
+                ahead = Ahead::ANY;
                 continue;
             }
 
@@ -120,7 +124,7 @@ impl Path {
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
             let (light, roulette) = scene.choose_light(choice);
             if vertex.material.is_smooth() {
-                let direct = self.sample_light(scene, &vertex, light, place, rays);
+                let direct = self.sample_light(scene, ahead.shading, &vertex, light, place, rays);
                 // To the camera's own vertex nothing led that takes light away.
                 sum = sum.add(if depth == 1 {
                     direct
@@ -130,6 +134,7 @@ impl Path {
             }
 
             // Go on in a direction drawn from the BSDF.
+            ahead = Ahead::ANY;
             let Some(drawn) = vertex.draw(direction, lobe) else {
                 break;
             };
@@ -172,6 +177,7 @@ impl Path {
     fn sample_light(
         &self,
         scene: &Scene,
+        shading: ShapeSet,
         vertex: &Vertex,
         light: u32,
         place: [Uniform; 2],
@@ -188,7 +194,7 @@ impl Path {
             dir: sample.wi,
         };
         *rays += 1;
-        if scene.occluded(&shadow, sample.distance, sample.shape) {
+        if scene.occluded_by(shading, &shadow, sample.distance, sample.shape) {
             return Radiance::BLACK;
         }
         let arriving = reflected.mul(sample.radiance);
@@ -212,12 +218,12 @@ impl Integrator for Path {
         _: &mut impl SplatSink,
         rays: &mut u32,
     ) -> Radiance {
-        Path::radiance(self, view.scene, ray, sampler, rays)
+        self.follow(view.scene, view.ahead, ray, sampler, rays, &mut NoWitness)
     }
 
     fn sense(&self, view: &View, ray: Ray, sampler: &mut impl Sampler, rays: &mut u32) -> (Radiance, First) {
         let mut first = First::new();
-        let light = self.follow(view.scene, ray, sampler, rays, &mut first);
-        (light, first.settled(view.scene, ray, rays))
+        let light = self.follow(view.scene, view.ahead, ray, sampler, rays, &mut first);
+        (light, first.settled(view, ray, rays))
     }
 }

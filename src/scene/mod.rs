@@ -6,6 +6,7 @@
 //! point. Light is W·sr⁻¹·m⁻² a channel, linear sRGB; a point light's intensity falls off by 1/d², d in metres; a
 //! directional light is irradiance on a plane that faces it.
 
+mod ahead;
 mod arrange;
 mod baked;
 mod builder;
@@ -26,6 +27,7 @@ use crate::shape::{Blob, Geometry, Grid, Instance, MeshHit, Surface, Triangles};
 
 use distant::Ball;
 
+pub use ahead::{Ahead, ShapeSet};
 pub use arrange::{Arrangement, Boxed, arrange};
 pub use baked::{
     Background, Baked, BakedError, BlobRecord, Entry as BakedEntry, Field as BakedField, Head as BakedHead,

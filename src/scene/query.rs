@@ -1,6 +1,6 @@
 //! Rays against a scene: the tree over its finite shapes, then its infinite planes.
 
-use super::{Hit, Mesh, Scene};
+use super::{Hit, Mesh, Scene, ShapeSet};
 use crate::bvh::{self, Order, Visitor, traverse};
 use crate::geom::{FAR, Ray};
 use crate::light::{Environment, Light};
@@ -49,6 +49,45 @@ impl Scene<'_> {
         nearest.hit
     }
 
+    /// [`Self::closest`] of a ray that meets nothing but what is in `among`.
+    #[inline]
+    pub fn closest_among(&self, ray: &Ray, among: ShapeSet) -> Option<Hit> {
+        if among.is_all() {
+            return self.closest(ray);
+        }
+        self.closest_named(ray, among)
+    }
+
+    #[cfg_attr(narrow_mul, inline(never))]
+    fn closest_named(&self, ray: &Ray, among: ShapeSet) -> Option<Hit> {
+        if among.has_mesh() {
+            let slopes = Slopes::new(ray.dir);
+            let mut nearest = Nearest {
+                scene: self,
+                ray,
+                slopes: &slopes,
+                t_max: FAR + 1,
+                hit: None,
+                limit: i32::MAX,
+            };
+            for index in among.named() {
+                nearest.test(index);
+            }
+            return nearest.hit;
+        }
+        let (mut nearest, mut t_max) = (usize::MAX, FAR + 1);
+        for index in among.named() {
+            let Some(shape) = self.parts.shapes.get(index) else {
+                continue;
+            };
+            // As far as the nearest is for one that stands before it in the scene's order.
+            if let Some(t) = self.form(&shape.geometry, ray, t_max + (index < nearest) as i32) {
+                (nearest, t_max) = (index, t);
+            }
+        }
+        (nearest != usize::MAX).then(|| Hit::of_form(nearest, t_max))
+    }
+
     /// The same answer from all shapes and triangles in turn.
     pub fn closest_linear(&self, ray: &Ray) -> Option<Hit> {
         let slopes = Slopes::new(ray.dir);
@@ -94,6 +133,42 @@ impl Scene<'_> {
         };
         traverse(self.parts.nodes, &grid_ray, &mut any);
         any.found
+    }
+
+    /// [`Self::occluded`] where nothing but what is in `among` can be in the way.
+    #[inline]
+    pub fn occluded_by(&self, among: ShapeSet, ray: &Ray, distance: i32, except: Option<u16>) -> bool {
+        if among.is_all() {
+            return self.occluded(ray, distance, except);
+        }
+        let except = except.map_or(usize::MAX, usize::from);
+        if among.has_mesh() {
+            let slopes = Slopes::new(ray.dir);
+            return among
+                .named()
+                .any(|index| index != except && self.blocks(index, ray, &slopes, distance));
+        }
+        among.named().filter(|index| *index != except).any(|index| {
+            let shape = self.parts.shapes.get(index);
+            shape.is_some_and(|shape| self.form(&shape.geometry, ray, distance).is_some())
+        })
+    }
+
+    /// Whether a shape stands nearer than `distance` along the ray.
+    #[inline]
+    fn blocks(&self, index: usize, ray: &Ray, slopes: &Slopes, distance: i32) -> bool {
+        let parts = &self.parts;
+        let Some(shape) = parts.shapes.get(index) else {
+            return false;
+        };
+        match shape.geometry {
+            Geometry::Mesh(mesh) => parts
+                .meshes
+                .get(mesh as usize)
+                .is_some_and(|mesh| bvh::occluded(&mesh.triangles, mesh.nodes, ray, slopes, distance)),
+            Geometry::Instance(ref instance) => self.instance_occludes(instance, ray, distance),
+            ref geometry => self.form(geometry, ray, distance).is_some(),
+        }
     }
 
     /// What of the scene's lights the ray meets first: the last segment of a path asks for nothing else.
@@ -399,20 +474,10 @@ impl Visitor for Any<'_> {
 
     #[inline]
     fn visit<const K: usize>(&mut self, _: &GridRay, base: u32, leaf: u32) -> ControlFlow<()> {
-        let parts = &self.scene.parts;
         for index in bvh::primitives(base, leaf).filter(|index| *index as usize != self.except) {
-            let Some(shape) = parts.shapes.get(index as usize) else {
-                continue;
-            };
-            self.found = match shape.geometry {
-                Geometry::Mesh(mesh) => parts.meshes.get(mesh as usize).is_some_and(|mesh| {
-                    bvh::occluded(&mesh.triangles, mesh.nodes, self.ray, self.slopes, self.distance)
-                }),
-                Geometry::Instance(ref instance) => {
-                    self.scene.instance_occludes(instance, self.ray, self.distance)
-                }
-                ref geometry => self.scene.form(geometry, self.ray, self.distance).is_some(),
-            };
+            self.found = self
+                .scene
+                .blocks(index as usize, self.ray, self.slopes, self.distance);
             if self.found {
                 return ControlFlow::Break(());
             }

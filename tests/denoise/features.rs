@@ -160,7 +160,7 @@ fn what_a_mirror_shows_is_behind_it_if_it_is_flat_and_on_it_if_it_is_a_ball() {
         );
         let mut nodes = [Node::EMPTY; 2];
         let scene = builder.build(&mut nodes).unwrap();
-        let renderer = Renderer::new(&scene, camera.unwrap(), Path::new(6), Sobol::new(5), SETTINGS);
+        let mut renderer = Renderer::new(&scene, camera.unwrap(), Path::new(6), Sobol::new(5), SETTINGS);
         let guide = renderer.guide(SETTINGS.width / 2, SETTINGS.height / 2);
         let code = |metres| depth_code(unit.length(metres));
         ((guide.id, guide.depth), code(q!(2)), code(q!(7)))

@@ -102,7 +102,7 @@ fn crc_of(scene: &Scene, camera: Camera, filter: &mut impl Filter, is_steadied: 
                     height,
                     spp: 1,
                 };
-                let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
+                let mut guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
                 clean.rows_2x(0..height, &mut ring, |x, y| guides.guide(x, y), keep);
             }
         }

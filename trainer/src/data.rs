@@ -225,10 +225,7 @@ fn trace(
     let lent = core.lend();
     let scene = core.scene(&lent)?;
     let film = core.camera.film(side as u16, side as u16);
-    let view = View {
-        scene: &scene,
-        film: &film,
-    };
+    let view = View::new(&scene, &film);
     let tracer = PathTracer {
         max_depth: desc.integrator.max_depth.unwrap_or(8) as u16,
         rr_depth: desc.integrator.rr_depth as u16,

@@ -102,7 +102,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
                 height: 2 * SIZE.height,
                 ..settings
             };
-            let renderer = Renderer::new(scene, cameras[1], Path::direct(), Sobol::new(1), fine);
+            let mut renderer = Renderer::new(scene, cameras[1], Path::direct(), Sobol::new(1), fine);
             region::count(6, || {
                 for (i, guide) in guides.iter_mut().enumerate() {
                     let (x, y) = place(i, fine.width);

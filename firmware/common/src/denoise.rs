@@ -136,7 +136,7 @@ impl Case {
             }
             if frame + 1 == FRAMES {
                 let fine = settings(2, 1);
-                let guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
+                let mut guides = Renderer::new(scene, now, Path::new(1), Sobol::new(0), fine);
                 clean.rows_2x(
                     0..fine.height,
                     &mut ring,

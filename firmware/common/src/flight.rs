@@ -172,11 +172,11 @@ impl<'m> Flight<'m> {
 
         let bands = Turns::new((0..HEIGHT as u16).step_by(BAND));
         let raise = |ring: &mut [Seen]| {
-            let renderer = renderer(settings(2, 1), 0);
-            let guide = |x, y| renderer.guide(x, y);
+            let mut renderer = renderer(settings(2, 1), 0);
+            let mut guide = |x, y| renderer.guide(x, y);
             let mut colours = [0; WIDTH];
             while let Some(first) = bands.next() {
-                clean.rows_2x(first..first + BAND as u16, ring, guide, |y, row| {
+                clean.rows_2x(first..first + BAND as u16, ring, &mut guide, |y, row| {
                     let mut lights = row.lights();
                     for (x, colours) in (0..).step_by(PIECE).zip(colours.chunks_exact_mut(PIECE)) {
                         let mut piece = [Radiance::BLACK; PIECE];

@@ -241,7 +241,7 @@ mod tests {
         Builtin::Cornell
             .with(|scene, camera| {
                 let film = camera.film(SETTINGS.width, SETTINGS.height);
-                let view = View { scene, film: &film };
+                let view = View::new(scene, &film);
                 for place in 0..PIXELS as u16 {
                     let (x, y) = (place % SETTINGS.width, place / SETTINGS.width);
                     sampler.start(x, y, 0);

@@ -9,7 +9,7 @@ use crate::geom::Ray;
 use crate::integrator::{View, Witness, power_heuristic};
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
-use crate::scene::{Hit, Seen};
+use crate::scene::{Hit, Seen, ShapeSet};
 use heapless::Vec;
 
 /// The weight of a BSDF's direction against a light sample: of paths too long for every other strategy.
@@ -35,7 +35,7 @@ impl<const N: usize> Bdpt<N> {
         vertices: &mut Vec<PathVertex<'a>, N>,
     ) -> Wide {
         let scene = view.scene;
-        let mut ray = ray;
+        let (mut ray, mut ahead) = (ray, view.ahead.seen);
         let mut partial = Partial::from_camera(view.film.density(ray.dir), T::SPLATS);
         let mut throughput = Radiance::WHITE;
         let mut eta_squared = Wide::ONE;
@@ -53,8 +53,13 @@ impl<const N: usize> Bdpt<N> {
             let seen = if depth == self.max_depth && depth > 1 {
                 scene.closest_light(&ray)
             } else {
-                Some(scene.closest(&ray).map_or(Seen::Environment, Seen::Emitter))
+                Some(
+                    scene
+                        .closest_among(&ray, ahead)
+                        .map_or(Seen::Environment, Seen::Emitter),
+                )
             };
+            ahead = ShapeSet::ALL;
             let strategy = Strategy {
                 light: 0,
                 camera: depth + 1,

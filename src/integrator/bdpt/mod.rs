@@ -121,7 +121,7 @@ impl<const N: usize> Integrator for Bdpt<N> {
             witness: First::new(),
         };
         self.follow(view, ray, sampler, &mut sum, rays);
-        (sum.light, sum.witness.settled(view.scene, ray, rays))
+        (sum.light, sum.witness.settled(view, ray, rays))
     }
 }
 

@@ -124,8 +124,9 @@ impl Stage<'_> {
 
     /// Cameras to the left and right of `middle` that are [`STEPS`] apart.
     pub fn flight(&self, middle: Camera, [width, height]: [u16; 2]) -> [Camera; FRAMES] {
+        let mut guides = guides(self.scene, middle, width, height);
         let depths: Vec<(u16, u16, u8)> = places([width, height])
-            .map(|(x, y)| (x, y, guides(self.scene, middle, width, height).guide(x, y).depth))
+            .map(|(x, y)| (x, y, guides.guide(x, y).depth))
             .filter(|place| place.2 != DEPTH_NOTHING)
             .collect();
         // A step aside by a sixteenth of the mean distance, and how many pixels that is.
@@ -152,7 +153,7 @@ impl Stage<'_> {
         let features: Vec<Vec<Feature>> = cameras
             .iter()
             .map(|camera| {
-                let guides = guides(self.scene, *camera, width, height);
+                let mut guides = guides(self.scene, *camera, width, height);
                 places([width, height]).map(|(x, y)| guides.guide(x, y)).collect()
             })
             .collect();
