@@ -17,9 +17,9 @@ pub fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
     words: &[[u32; PAIRS]],
 ) -> [u32; PAIRS] {
-    #[cfg(armv6m)]
+    #[cfg(any(armv6m, armv7m))]
     if matches!(PAIRS, 2..=4) && runs.iter().map(|run| run.len()).sum::<usize>() <= words.len() {
-        return armv6m::sums::sums(runs, words);
+        return sums::sums(runs, words);
     }
     plain(runs, words)
 }
@@ -48,6 +48,8 @@ mod facets;
 mod ray;
 #[cfg(target_arch = "riscv32")]
 mod rv32;
+#[cfg(any(armv6m, armv7m))]
+mod sums;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
 #[cfg(armv7m)]

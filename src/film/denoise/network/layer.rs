@@ -279,11 +279,11 @@ fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterato
     both.zip(biases).map(|(sum, &bias)| sum + i32::from(bias))
 }
 
-#[cfg(all(assembly, narrow_mul))]
+#[cfg(all(assembly, target_arch = "arm"))]
 use microlux_asm::sums;
 
 /// Products of activations, run by run, with two weights a word, added up modulo 2^32.
-#[cfg(not(all(assembly, narrow_mul)))]
+#[cfg(not(all(assembly, target_arch = "arm")))]
 #[inline(always)]
 fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
@@ -313,7 +313,7 @@ fn sums<const PAIRS: usize, const RUNS: usize>(
 }
 
 /// A third to two thirds of activations are 0.
-#[cfg(not(all(assembly, narrow_mul)))]
+#[cfg(not(all(assembly, target_arch = "arm")))]
 #[inline(always)]
 fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
     if input != 0 {
