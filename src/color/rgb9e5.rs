@@ -69,7 +69,21 @@ impl Rgb9e5 {
     /// Exactly.
     #[inline]
     pub const fn decode(self) -> Radiance {
-        self.scaled(0)
+        let (m, exponent) = self.to_parts();
+        let all = m[0] | m[1] | m[2];
+        if all == 0 {
+            return Radiance::BLACK;
+        }
+        // What `from_bits` does, where nothing is rounded off.
+        let zeros = leading_zeros(all);
+        Radiance {
+            mantissa: [
+                (m[0] << (zeros - 16)) as u16,
+                (m[1] << (zeros - 16)) as u16,
+                (m[2] << (zeros - 16)) as u16,
+            ],
+            exponent: (exponent + 31 - zeros as i32) as i16,
+        }
     }
 
     /// Its light times shares: `decode().mul_albedo(by)`, the same bits.

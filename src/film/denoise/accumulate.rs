@@ -60,7 +60,7 @@ pub const FIREFLY: u32 = 2;
 const MOST: u8 = 8;
 
 /// A tap is the same place if its distance is right to this many codes, 4.4 % each...
-const DEPTH_SLACK: i32 = 3;
+pub(super) const DEPTH_SLACK: u32 = 3;
 /// ... and its normal is, by one less the cosine in 127ths.
 const TURN_SLACK: u32 = 16;
 
@@ -380,8 +380,8 @@ fn quotient(a: u32, b: u32) -> u32 {
 }
 
 #[inline]
-pub(super) fn is_near(a: u8, b: u8) -> bool {
-    (a == DEPTH_NOTHING) == (b == DEPTH_NOTHING) && (a as i32 - b as i32).abs() <= DEPTH_SLACK
+fn is_near(a: u8, b: u8) -> bool {
+    (a == DEPTH_NOTHING) == (b == DEPTH_NOTHING) && u32::from(a.abs_diff(b)) <= DEPTH_SLACK
 }
 
 /// `then + (light − then)/n`, what is left over kept with a chance of its size; equal lights give themselves.

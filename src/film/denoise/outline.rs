@@ -18,10 +18,11 @@
 use core::ops::Range;
 
 use super::Size;
-use super::accumulate::is_near;
+use super::accumulate::DEPTH_SLACK;
 use super::weight::{Mean, luma_code};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
+use crate::film::feature::DEPTH_NOTHING;
 use crate::num::leading_zeros;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -108,10 +109,57 @@ pub struct Row<'r> {
     rows: [&'r [Seen]; 3],
 }
 
+/// What some pixels are of: the least and the most of [`Seen::of`], whose numbers are its highest bits, then distances.
+#[derive(Clone, Copy)]
+struct Span {
+    least: u32,
+    most: u32,
+}
+
+impl Span {
+    const fn of(of: u32) -> Span {
+        Span { least: of, most: of }
+    }
+
+    fn with(self, other: Span) -> Span {
+        Span {
+            least: self.least.min(other.least),
+            most: self.most.max(other.most),
+        }
+    }
+
+    /// Whether they are of one number and near the distance of `own`, one of them.
+    fn is_one(self, own: u32) -> bool {
+        let [least, own, most] = [self.least, own, self.most].map(|of| of >> 8);
+        let is_far = most as u8 == DEPTH_NOTHING;
+        least == most
+            || least >> 8 == most >> 8 && !is_far && own - least <= DEPTH_SLACK && most - own <= DEPTH_SLACK
+    }
+}
+
 impl Row<'_> {
     /// From the left, each mixed with its neighbours if an outline is near.
     pub fn lights(&self) -> impl Iterator<Item = Radiance> {
-        (0..self.len()).map(|x| Self::light(&self.near(x)).decode())
+        // The three columns about a pixel: each is looked at once.
+        let column = |x: usize| {
+            let [above, own, below] = self
+                .rows
+                .map(|row| row.get(x).map_or(Span::of(0), |seen| Span::of(seen.of)));
+            above.with(own).with(below)
+        };
+        let mut columns = [column(0); 2];
+        let last = self.len().saturating_sub(1);
+        (0..self.len()).map(move |x| {
+            let next = column((x + 1).min(last));
+            let both = columns[1].with(next);
+            let span = columns[0].with(both);
+            columns = [columns[1], next];
+            match self.rows[1].get(x) {
+                Some(own) if span.is_one(own.of) => own.light,
+                _ => Self::mixed(&self.near(x)),
+            }
+            .decode()
+        })
     }
 
     pub(super) fn len(&self) -> usize {
@@ -130,35 +178,36 @@ impl Row<'_> {
     }
 
     /// The middle one of these, mixed with the others if an outline is near.
-    #[inline(never)]
     pub(super) fn light(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
         let own = near[1][1];
-        // Most are all of one number and distance.
-        let differs = near
-            .iter()
-            .flatten()
-            .fold(0, |bits, seen| bits | (seen.of ^ own.of));
-        if differs < 1 << 8 {
-            return own.light;
+        let all = near.iter().flatten();
+        let span = all.fold(Span::of(own.of), |span, seen| span.with(Span::of(seen.of)));
+        if span.is_one(own.of) {
+            own.light
+        } else {
+            Self::mixed(near)
         }
-        let is_one = differs < 1 << 16
-            && near
-                .iter()
-                .flatten()
-                .all(|seen| is_near(own.depth(), seen.depth()));
+    }
+
+    /// The middle one of these, mixed with the others.
+    #[inline(never)]
+    fn mixed(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
+        let own = near[1][1];
         let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
-        let (Some(&[side, corner]), false) = (shares, is_one) else {
+        let Some(&[side, corner]) = shares else {
             return own.light;
         };
         let mut mean = Mean::new();
-        for seen in near.iter().flatten() {
-            mean.see(seen.light);
+        for row in near {
+            row.iter().for_each(|seen| mean.see(seen.light));
         }
         let own = 256 - 4 * (side + corner);
         let shares = [[corner, side, corner], [side, own, side], [corner, side, corner]];
-        for (seen, share) in near.iter().flatten().zip(shares.iter().flatten()) {
-            // raw: 256 · 64 in all.
-            mean.add(seen.light, share * tone(seen.light));
+        for (row, shares) in near.iter().zip(shares) {
+            for (seen, share) in row.iter().zip(shares) {
+                // raw: 256 · 64 in all.
+                mean.add(seen.light, share * tone(seen.light));
+            }
         }
         mean.light()
     }
