@@ -33,6 +33,7 @@ pub use upsample::upsample;
 use core::ops::Range;
 
 use self::outline::{MIDDLE, go_down, worth};
+use self::upsample::Coarse;
 use super::Feature;
 use crate::color::{Radiance, Rgb9e5};
 use zerocopy::{FromBytes, IntoBytes};
@@ -336,10 +337,23 @@ impl Clean<'_> {
         mut guide: impl FnMut(u16, u16) -> Feature,
         show: impl FnMut(u16, Row),
     ) {
+        let coarse = Coarse {
+            size: self.size,
+            frame: self.frame,
+            light: self.light,
+        };
         let make = |y: u16, row: &mut [Seen]| {
-            for (x, seen) in (0..).zip(row) {
+            let lines = coarse.lines(y);
+            let mut four = lines.four(0);
+            for (x, seen) in (0u16..).zip(row) {
+                if x % 2 == 1 {
+                    four = lines.four(x.div_ceil(2));
+                }
                 let guide = guide(x, y);
-                *seen = Seen::new(self.pixel_2x(x, y, &guide), &guide, MIDDLE);
+                let light = four
+                    .as_ref()
+                    .map_or(Radiance::BLACK, |four| four.light(coarse, [x, y], &guide));
+                *seen = Seen::new(light.mul_albedo(guide.albedo()), &guide, MIDDLE);
             }
         };
         let size = Size {

@@ -8,11 +8,14 @@ use zerocopy::transmute_ref;
 /// of distance.
 const UNLIKE: [u32; 3] = [32, 2, 4];
 
+/// From here on nothing is less alike: [`FALL`]'s last that is not 0.
+const LEAST: u32 = 48;
+
 /// The light of pixel (x, y) of a picture twice as wide and high, before its albedo.
 ///
 /// Joint bilateral upsampling (Kopf et al., 2007): the four pixels about it, by where they are (9 : 3 : 3 : 1) and how
 /// like `guide` they are. Where none of them is of the same thing, those of it among the twelve about them speak; where
-/// there is none either, the least unlike of the four speaks most.
+/// there is none either, the least unlike of the four speaks most. Black where there is no picture.
 pub fn upsample(
     size: Size,
     frame: &[Feature],
@@ -20,49 +23,119 @@ pub fn upsample(
     [x, y]: [u16; 2],
     guide: &Feature,
 ) -> Radiance {
-    // The middle of the fine pixel lies a quarter of a coarse one beside a middle, left and up if it is even.
-    let both = |c: u16, side: u16| {
-        let near = (c / 2) as i32;
-        let far = if c.is_multiple_of(2) { near - 1 } else { near + 1 };
-        [near, far].map(|c| c.clamp(0, (side as i32 - 1).max(0)) as usize)
-    };
-    let columns = both(x, size.width);
-    let rows = both(y, size.height).map(|y| y * size.width as usize);
-    let mut taps = [(Rgb9e5::BLACK, 0); 4];
-    let mut mean = Mean::new();
-    let mut least = FAR;
-    for (i, tap) in taps.iter_mut().enumerate() {
-        let there = rows[i >> 1] + columns[i & 1];
-        let (Some(pixel), Some(light)) = (frame.get(there), light.get(there)) else {
-            continue;
+    let coarse = Coarse { size, frame, light };
+    match coarse.lines(y).four(x.div_ceil(2)) {
+        Some(four) => four.light(coarse, [x, y], guide),
+        None => Radiance::BLACK,
+    }
+}
+
+/// What is made twice as wide and high.
+#[derive(Clone, Copy)]
+pub(super) struct Coarse<'a> {
+    pub size: Size,
+    pub frame: &'a [Feature],
+    pub light: &'a [Rgb9e5],
+}
+
+impl<'a> Coarse<'a> {
+    /// The two rows about fine row y, the one it lies in first.
+    pub fn lines(self, y: u16) -> Lines<'a> {
+        let width = self.size.width as usize;
+        let last = self.size.height.saturating_sub(1);
+        let far = if y.is_multiple_of(2) {
+            (y / 2).saturating_sub(1)
+        } else {
+            y / 2 + 1
         };
-        let unlike = unlike(pixel, guide);
-        least = least.min(unlike);
-        let share = [9, 3, 3, 1][i];
-        // Never nothing.
-        *tap = (*light, share * FALL[unlike.min(48) as usize] as u32);
-        mean.see(*light);
+        let row = |y: u16| {
+            let from = y.min(last) as usize * width;
+            let row = from..from + width;
+            let (frame, light) = (self.frame.get(row.clone()), self.light.get(row));
+            (frame.unwrap_or(&[]), light.unwrap_or(&[]))
+        };
+        Lines([row(y / 2), row(far)])
     }
-    if least >= UNLIKE[0]
-        && let Some(light) = about(size, frame, light, [x, y], guide)
-    {
-        return light;
+}
+
+/// Two rows.
+pub(super) struct Lines<'a>([(&'a [Feature], &'a [Rgb9e5]); 2]);
+
+impl<'a> Lines<'a> {
+    /// The four pixels about fine columns 2 `k` − 1 and 2 `k`.
+    #[inline(always)]
+    pub fn four(&self, k: u16) -> Option<Four<'a>> {
+        let last = self.0[0].0.len().saturating_sub(1);
+        let columns = [k.saturating_sub(1), k].map(|x| (x as usize).min(last));
+        let [(near, near_light), (far, far_light)] = self.0;
+        let [left, right] = columns;
+        let pixels = [near.get(left)?, near.get(right)?, far.get(left)?, far.get(right)?];
+        let lights = [
+            *near_light.get(left)?,
+            *near_light.get(right)?,
+            *far_light.get(left)?,
+            *far_light.get(right)?,
+        ];
+        let mut mean = Mean::new();
+        lights.iter().for_each(|light| mean.see(*light));
+        let [first, others @ ..] = pixels.map(words);
+        let is_one = others.iter().all(|[_, looks]| *looks == first[1])
+            && !pixels.iter().any(|pixel| shines(words(pixel)[0]));
+        Some(Four {
+            pixels,
+            parts: lights.map(|light| mean.parts(light)),
+            mean,
+            is_one,
+        })
     }
-    for (light, weight) in taps {
-        mean.add(light, weight);
+}
+
+/// Four pixels, those of the row that the fine one lies in first, each from the left.
+pub(super) struct Four<'a> {
+    pixels: [&'a Feature; 4],
+    /// Of their lights.
+    parts: [[u32; 3]; 4],
+    /// Of nothing yet; has seen them.
+    mean: Mean,
+    /// Whether all have one number and look the same way, and none shines.
+    is_one: bool,
+}
+
+impl Four<'_> {
+    /// The light of fine pixel (x, y), one of the two they are about.
+    #[inline(always)]
+    pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Radiance {
+        let shares = if x.is_multiple_of(2) {
+            [3, 9, 1, 3]
+        } else {
+            [9, 3, 3, 1]
+        };
+        let [seen, looks] = words(guide);
+        let is_one = self.is_one && looks == words(self.pixels[0])[1] && !shines(seen);
+        let unlike = if is_one {
+            self.pixels.map(|pixel| apart(pixel, guide))
+        } else {
+            self.pixels.map(|pixel| unlike(pixel, guide))
+        };
+        let least = unlike.into_iter().fold(FAR, u32::min);
+        let mut mean = self.mean;
+        for ((parts, share), unlike) in self.parts.into_iter().zip(shares).zip(unlike) {
+            // Never nothing.
+            mean.add_parts(parts, share * FALL[unlike.min(LEAST) as usize] as u32);
+        }
+        if least >= UNLIKE[0]
+            && let Some(light) = about(coarse, [x, y], guide)
+        {
+            return light;
+        }
+        answer(&mean)
     }
-    answer(&mean)
 }
 
 /// Of the sixteen about pixel (x, y), those that are of the guide's thing; the same for each of them.
 #[cold]
-fn about(
-    size: Size,
-    frame: &[Feature],
-    light: &[Rgb9e5],
-    [x, y]: [u16; 2],
-    guide: &Feature,
-) -> Option<Radiance> {
+fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Option<Radiance> {
+    let Coarse { size, frame, light } = coarse;
     let [left, top] = [x, y].map(|c| (c.div_ceil(2) as i32) - 2);
     let alike = || {
         (0..16).filter_map(|i| {
@@ -80,31 +153,39 @@ fn about(
     (mean.weight() > 0).then(|| answer(&mean))
 }
 
-/// Eighths of a half-life.
+/// Words of albedo and distance, and of normal and number, as they lie in memory.
 #[inline(always)]
+fn words(pixel: &Feature) -> [u32; 2] {
+    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(pixel);
+    [seen, looks]
+}
+
+/// Eighths of a half-life; from [`LEAST`] on, as many at least.
+#[inline]
 fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
-    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(guide);
-    let &[_, tap_seen, tap_looks]: &[u32; 3] = transmute_ref!(pixel);
+    let ([tap_seen, tap_looks], [seen, looks]) = (words(pixel), words(guide));
     if shines(tap_seen) != shines(seen) {
         return FAR;
     }
-    let depth = u32::from_le(seen) >> 24;
-    let mut unlike = (u32::from_le(tap_seen) >> 24).abs_diff(depth) * UNLIKE[2];
-    // Most are of the same thing and look the same way, to the last bit.
     let differs = u32::from_le(tap_looks ^ looks);
-    if differs != 0 {
-        unlike += turn_of(pixel, guide) * UNLIKE[1];
-        if differs >> 16 != 0 {
-            unlike += UNLIKE[0];
-        }
+    let id = if differs >> 16 == 0 { 0 } else { UNLIKE[0] };
+    let unlike = apart(pixel, guide) + id;
+    // To look another way makes no difference any more, or most look the same way, to the last bit.
+    if unlike >= LEAST {
+        unlike
+    } else {
+        unlike + turn_of(pixel, guide) * UNLIKE[1]
     }
-    unlike
 }
 
+/// [`unlike`] by distance alone.
+#[inline(always)]
+fn apart(pixel: &Feature, guide: &Feature) -> u32 {
+    u32::from(pixel.depth.abs_diff(guide.depth)) * UNLIKE[2]
+}
+
+#[inline(always)]
 fn answer(mean: &Mean) -> Radiance {
-    if mean.weight() == 0 {
-        return Radiance::BLACK;
-    }
     let (bits, exponent) = mean.divided();
     Radiance::from_bits(bits, exponent)
 }

@@ -94,13 +94,23 @@ impl Mean {
 
     #[inline]
     pub(super) fn add(&mut self, light: Rgb9e5, weight: u32) {
+        self.add_parts(self.parts(light), weight);
+    }
+
+    /// A light's channels as they are added up.
+    #[inline]
+    pub(super) fn parts(&self, light: Rgb9e5) -> [u32; 3] {
         const BITS: u32 = 511 << 9;
         let gap = self.exponent.wrapping_sub(light.0 >> 27) & 31;
         // The mantissas times 2^9, from where they stand.
-        let parts = [light.0 << 9, light.0, light.0 >> 9];
+        [light.0 << 9, light.0, light.0 >> 9].map(|part| (part & BITS) >> gap)
+    }
+
+    #[inline]
+    pub(super) fn add_parts(&mut self, parts: [u32; 3], weight: u32) {
         for (sum, part) in self.sum.iter_mut().zip(parts) {
             // raw: (511 · 2^9) · 2^14 < 2^32
-            *sum = sum.wrapping_add(((part & BITS) >> gap).wrapping_mul(weight));
+            *sum = sum.wrapping_add(part.wrapping_mul(weight));
         }
         self.weight += weight;
     }
