@@ -1,8 +1,9 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
-//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`.
+//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`, `gathers` where one adds up the filter's
+//! taps.
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly)");
+    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, gathers)");
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
     let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
@@ -18,5 +19,8 @@ fn main() {
     let has_routines = is_narrow || is(&["thumbv7m", "thumbv7em", "thumbv8m.main", "riscv32im"]);
     if has_routines && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
         println!("cargo::rustc-cfg=assembly");
+        if is(&["thumbv7em"]) {
+            println!("cargo::rustc-cfg=gathers");
+        }
     }
 }

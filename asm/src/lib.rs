@@ -40,6 +40,8 @@ pub fn plain<const PAIRS: usize, const RUNS: usize>(
 
 #[cfg(armv6m)]
 mod armv6m;
+#[cfg(armv7em)]
+mod armv7em;
 #[cfg(armv7m)]
 mod armv7m;
 #[cfg(any(armv6m, armv7m))]
@@ -52,6 +54,8 @@ mod rv32;
 mod sums;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
+#[cfg(armv7em)]
+pub use armv7em::gather;
 #[cfg(armv7m)]
 pub use armv7m::walk::Walk;
 #[cfg(any(armv6m, armv7m))]

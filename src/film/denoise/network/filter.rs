@@ -418,18 +418,40 @@ impl<const ROWS: usize> Near<'_, ROWS> {
     #[inline(always)]
     fn mean(&self, x: usize, head: &Head) -> Light {
         // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
-        let own = features(head);
-        let mut mean = Mean::new(self.light[ROWS / 2][x], 0);
         let width = self.light[ROWS / 2].len();
         let columns = x.saturating_sub(ROWS / 2)..(x + ROWS / 2 + 1).min(width);
-        for (light, heads) in self.light.into_iter().zip(self.heads) {
-            let (light, heads) = (light.get(columns.clone()), heads.get(columns.clone()));
-            for (light, other) in light.unwrap_or(&[]).iter().zip(heads.unwrap_or(&[])) {
-                mean.add(*light, (affinity(&own, other) * confidence(other)) >> 6);
-            }
-        }
-        mean.value()
+        let runs = core::array::from_fn::<_, ROWS, _>(|i| {
+            let (heads, light) = (
+                self.heads[i].get(columns.clone()),
+                self.light[i].get(columns.clone()),
+            );
+            (heads.unwrap_or(&[]), light.unwrap_or(&[]))
+        });
+        let [weight, sum @ ..] = gather(head, runs);
+        let centre = self.light[ROWS / 2][x];
+        Mean { centre, weight, sum }.value()
     }
+}
+
+/// Weights of pixels in runs by affinity and confidence, and their lights by weight.
+#[cfg(not(gathers))]
+#[inline(always)]
+fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [u32; 4] {
+    let own = features(own);
+    let mut mean = Mean::new([0; 3], 0);
+    for (heads, lights) in runs {
+        for (head, light) in heads.iter().zip(lights) {
+            mean.add(*light, (affinity(&own, head) * confidence(head)) >> 6);
+        }
+    }
+    let [r, g, b] = mean.sum;
+    [mean.weight, r, g, b]
+}
+
+#[cfg(gathers)]
+#[inline(always)]
+fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [u32; 4] {
+    microlux_asm::gather(own, runs, &EXP)
 }
 
 /// A finished coarser size.
