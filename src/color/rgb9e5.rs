@@ -38,6 +38,9 @@ impl Rgb9e5 {
     #[inline]
     pub fn from_bits(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
         let all = bits[0] | bits[1] | bits[2];
+        if all == 0 {
+            return Rgb9e5::BLACK;
+        }
         let filled = 32 - leading_zeros(all) as i32;
         // Where the largest has nine bits, or where steps end.
         let mut shift = (filled - 9).max(-24 - exponent);
@@ -46,9 +49,6 @@ impl Rgb9e5 {
         if (m[0] | m[1] | m[2]) > 511 {
             shift += 1;
             m = rounded(shift);
-        }
-        if all == 0 {
-            return Rgb9e5::BLACK;
         }
         let e = exponent.saturating_add(shift).saturating_add(24);
         if e > 31 {

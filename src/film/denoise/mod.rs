@@ -344,16 +344,18 @@ impl Clean<'_> {
         };
         let make = |y: u16, row: &mut [Seen]| {
             let lines = coarse.lines(y);
-            let mut four = lines.four(0);
-            for (x, seen) in (0u16..).zip(row) {
-                if x % 2 == 1 {
-                    four = lines.four(x.div_ceil(2));
+            let mut two = |k: u16, first: u16, seen: &mut [Seen]| {
+                let four = lines.four(k);
+                for (x, seen) in (first..).zip(seen) {
+                    let guide = guide(x, y);
+                    let light = four.light(coarse, [x, y], &guide);
+                    *seen = Seen::new(light.mul_albedo(guide.albedo()), &guide, MIDDLE);
                 }
-                let guide = guide(x, y);
-                let light = four
-                    .as_ref()
-                    .map_or(Radiance::BLACK, |four| four.light(coarse, [x, y], &guide));
-                *seen = Seen::new(light.mul_albedo(guide.albedo()), &guide, MIDDLE);
+            };
+            let (first, others) = row.split_at_mut(row.len().min(1));
+            two(0, 0, first);
+            for (k, seen) in (1..).zip(others.chunks_mut(2)) {
+                two(k, 2 * k - 1, seen);
             }
         };
         let size = Size {

@@ -2,6 +2,7 @@ use super::Size;
 use super::weight::{FALL, FAR, Mean, shines, turn_of};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
+use crate::geom::Octahedral;
 use zerocopy::transmute_ref;
 
 /// Half-lives, in eighths, that tell neighbours apart: for another number, for a turn by a cosine of 1 − 1/127, for a code
@@ -24,10 +25,7 @@ pub fn upsample(
     guide: &Feature,
 ) -> Radiance {
     let coarse = Coarse { size, frame, light };
-    match coarse.lines(y).four(x.div_ceil(2)) {
-        Some(four) => four.light(coarse, [x, y], guide),
-        None => Radiance::BLACK,
-    }
+    coarse.lines(y).four(x.div_ceil(2)).light(coarse, [x, y], guide)
 }
 
 /// What is made twice as wide and high.
@@ -62,39 +60,68 @@ impl<'a> Coarse<'a> {
 pub(super) struct Lines<'a>([(&'a [Feature], &'a [Rgb9e5]); 2]);
 
 impl<'a> Lines<'a> {
-    /// The four pixels about fine columns 2 `k` − 1 and 2 `k`.
+    /// The four pixels about fine columns 2 `k` − 1 and 2 `k`; black where there are none.
     #[inline(always)]
-    pub fn four(&self, k: u16) -> Option<Four<'a>> {
+    pub fn four(&self, k: u16) -> Four<'a> {
         let last = self.0[0].0.len().saturating_sub(1);
-        let columns = [k.saturating_sub(1), k].map(|x| (x as usize).min(last));
+        let [left, right] = [k.saturating_sub(1), k].map(|x| (x as usize).min(last));
         let [(near, near_light), (far, far_light)] = self.0;
-        let [left, right] = columns;
-        let pixels = [near.get(left)?, near.get(right)?, far.get(left)?, far.get(right)?];
+        let pixel = |row: &'a [Feature], x: usize| row.get(x).unwrap_or(&NOTHING);
+        let light = |row: &[Rgb9e5], x: usize| row.get(x).copied().unwrap_or_default();
+        let pixels = [
+            pixel(near, left),
+            pixel(far, left),
+            pixel(near, right),
+            pixel(far, right),
+        ];
         let lights = [
-            *near_light.get(left)?,
-            *near_light.get(right)?,
-            *far_light.get(left)?,
-            *far_light.get(right)?,
+            light(near_light, left),
+            light(far_light, left),
+            light(near_light, right),
+            light(far_light, right),
         ];
         let mut mean = Mean::new();
         lights.iter().for_each(|light| mean.see(*light));
-        let [first, others @ ..] = pixels.map(words);
-        let is_one = others.iter().all(|[_, looks]| *looks == first[1])
-            && !pixels.iter().any(|pixel| shines(words(pixel)[0]));
-        Some(Four {
-            pixels,
-            parts: lights.map(|light| mean.parts(light)),
+        let [a, b, c, d] = pixels.map(words);
+        let is_one = (a[1] ^ b[1]) | (a[1] ^ c[1]) | (a[1] ^ d[1]) == 0
+            && !(shines(a[0]) || shines(b[0]) || shines(c[0]) || shines(d[0]));
+        let parts = lights.map(|light| mean.parts(light));
+        Four {
+            columns: [
+                Column {
+                    pixels: [pixels[0], pixels[1]],
+                    parts: [parts[0], parts[1]],
+                },
+                Column {
+                    pixels: [pixels[2], pixels[3]],
+                    parts: [parts[2], parts[3]],
+                },
+            ],
             mean,
             is_one,
-        })
+        }
     }
 }
 
-/// Four pixels, those of the row that the fine one lies in first, each from the left.
-pub(super) struct Four<'a> {
-    pixels: [&'a Feature; 4],
+/// What stands where there is no pixel.
+static NOTHING: Feature = Feature {
+    irradiance: Rgb9e5::BLACK,
+    albedo: [0; 3],
+    depth: 0,
+    normal: Octahedral([0; 2]),
+    id: 0,
+};
+
+/// A pixel of the row that the fine one lies in, and one of the other row.
+struct Column<'a> {
+    pixels: [&'a Feature; 2],
     /// Of their lights.
-    parts: [[u32; 3]; 4],
+    parts: [[u32; 3]; 2],
+}
+
+/// Four pixels, the left ones and the right ones.
+pub(super) struct Four<'a> {
+    columns: [Column<'a>; 2],
     /// Of nothing yet; has seen them.
     mean: Mean,
     /// Whether all have one number and look the same way, and none shines.
@@ -105,28 +132,37 @@ impl Four<'_> {
     /// The light of fine pixel (x, y), one of the two they are about.
     #[inline(always)]
     pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Radiance {
-        let shares = if x.is_multiple_of(2) {
-            [3, 9, 1, 3]
-        } else {
-            [9, 3, 3, 1]
-        };
+        let right = usize::from(x.is_multiple_of(2));
+        let (near, far) = (&self.columns[right], &self.columns[1 - right]);
+        let pixels = [near.pixels[0], far.pixels[0], near.pixels[1], far.pixels[1]];
+        let parts = [near.parts[0], far.parts[0], near.parts[1], far.parts[1]];
         let [seen, looks] = words(guide);
-        let is_one = self.is_one && looks == words(self.pixels[0])[1] && !shines(seen);
-        let unlike = if is_one {
-            self.pixels.map(|pixel| apart(pixel, guide))
+        let [a, b, c, d] = pixels;
+        let apart = [apart(a, guide), apart(b, guide), apart(c, guide), apart(d, guide)];
+        let is_one = self.is_one
+            && looks == words(a)[1]
+            && !shines(seen)
+            && (apart[0] | apart[1] | apart[2] | apart[3]) < UNLIKE[0];
+        let weights = if is_one {
+            apart.map(|unlike| FALL[unlike as usize & 31])
         } else {
-            self.pixels.map(|pixel| unlike(pixel, guide))
-        };
-        let least = unlike.into_iter().fold(FAR, u32::min);
-        let mut mean = self.mean;
-        for ((parts, share), unlike) in self.parts.into_iter().zip(shares).zip(unlike) {
+            let unlike = [
+                unlike(a, guide),
+                unlike(b, guide),
+                unlike(c, guide),
+                unlike(d, guide),
+            ];
+            if unlike.iter().all(|&unlike| unlike >= UNLIKE[0])
+                && let Some(light) = about(coarse, [x, y], guide)
+            {
+                return light;
+            }
             // Never nothing.
-            mean.add_parts(parts, share * FALL[unlike.min(LEAST) as usize] as u32);
-        }
-        if least >= UNLIKE[0]
-            && let Some(light) = about(coarse, [x, y], guide)
-        {
-            return light;
+            unlike.map(|unlike| FALL[unlike.min(LEAST) as usize])
+        };
+        let mut mean = self.mean;
+        for ((parts, share), weight) in parts.into_iter().zip([9, 3, 3, 1]).zip(weights) {
+            mean.add_parts(parts, share * u32::from(weight));
         }
         answer(&mean)
     }
@@ -161,7 +197,7 @@ fn words(pixel: &Feature) -> [u32; 2] {
 }
 
 /// Eighths of a half-life; from [`LEAST`] on, as many at least.
-#[inline]
+#[inline(never)]
 fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
     let ([tap_seen, tap_looks], [seen, looks]) = (words(pixel), words(guide));
     if shines(tap_seen) != shines(seen) {
