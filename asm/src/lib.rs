@@ -46,6 +46,8 @@ mod armv7em;
 mod armv7m;
 #[cfg(any(armv6m, armv7m))]
 mod facets;
+#[cfg(armv7m)]
+mod layer;
 #[cfg(any(armv6m, armv7m, target_arch = "riscv32"))]
 mod ray;
 #[cfg(target_arch = "riscv32")]
@@ -60,6 +62,8 @@ pub use armv7em::gather;
 pub use armv7m::walk::Walk;
 #[cfg(any(armv6m, armv7m))]
 pub use facets::Facets;
+#[cfg(armv7m)]
+pub use layer::activations;
 #[cfg(any(armv6m, armv7m, target_arch = "riscv32"))]
 pub use ray::{Corner, DEPTH_BITS, Leaves, Met, Order, Ray, STACK};
 #[cfg(target_arch = "riscv32")]

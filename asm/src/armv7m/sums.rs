@@ -1,5 +1,7 @@
 use core::arch::naked_asm;
+use core::mem::offset_of;
 
+use crate::layer::{Steps, Task};
 use crate::sums::Run;
 
 /// Activation number `$at` from r1 on times its words from r3 on; `$next` is the place behind.
@@ -31,15 +33,59 @@ macro_rules! step {
     };
 }
 
+/// r2 activations from r1 on times the words at r3, which moves on, added to r8 to r11; then on to `$next`.
+#[rustfmt::skip]
+macro_rules! run {
+    ($pairs:tt, $next:literal) => {
+        concat!(
+            "subs r2, #4; blo 24f;",
+            "22:",
+            step!($pairs, "0", "30"),
+            step!($pairs, "1", "31"),
+            step!($pairs, "2", "32"),
+            step!($pairs, "3", "33"),
+            "adds r1, #4; adds r3, #16 * ", $pairs, ";",
+            "subs r2, #4; bhs 22b;",
+            // The last three and fewer.
+            "24:",
+            "adds r2, #4; beq ", $next, ";",
+            "25:",
+            step!($pairs, "0", "34"),
+            "adds r1, #1; adds r3, #4 * ", $pairs, ";",
+            "subs r2, #1; bne 25b;",
+            "b ", $next, ";",
+        )
+    };
+}
+
+/// Both activations of the sums in `$word`, with the biases at r0, to r1; both move on.
+#[rustfmt::skip]
+macro_rules! activate {
+    ($word:literal) => {
+        concat!(
+            "ldrsh r2, [r0], #2; ldrsh r3, [r0], #2;",
+            "sxth r4, ", $word, "; add r2, r4; adds r2, #32; usat r2, #6, r2, asr #6; strb r2, [r1], #1;",
+            "add r4, ", $word, ", #0x8000; add r3, r3, r4, asr #16;",
+            "adds r3, #32; usat r3, #6, r3, asr #6; strb r3, [r1], #1;",
+        )
+    };
+}
+
+const WORDS: usize = offset_of!(Task, words);
+const BIASES: usize = offset_of!(Task, biases);
+const OUT: usize = offset_of!(Task, out);
+const GAP: usize = offset_of!(Task, gap);
+const PIXELS: usize = offset_of!(Task, pixels);
+
 macro_rules! kernel {
-    ($name:ident, $pairs:tt, $store:literal) => {
+    ($sums:ident, $layer:ident, $pairs:tt, $($word:literal)*) => {
         /// r0: sums out. r1, r2: the first run and behind the last. r3: words.
         ///
         /// # Safety
         ///
         /// All four point to what they say.
         #[unsafe(naked)]
-        pub(crate) unsafe extern "C" fn $name(
+        pub(crate) unsafe extern "C" fn $sums(
             sums: *mut u32,
             first: *const Run,
             end: *const Run,
@@ -47,50 +93,54 @@ macro_rules! kernel {
         ) {
             naked_asm!(
                 "push {{r0, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
-                "mov r12, r1",
-                "mov lr, r2",
-                "movs r4, #0",
-                "mov r8, r4",
-                "mov r9, r4",
-                "mov r10, r4",
-                "mov r11, r4",
-                // r12 is the run's place in their table. r1 goes on from its first activation, r2 counts those that are left.
+                "mov r12, r1; mov lr, r2",
+                "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
                 "20:",
-                "cmp r12, lr",
-                "beq 29f",
-                "ldrd r1, r2, [r12], #8",
-                "subs r2, r2, r1",
-                "subs r2, #4",
-                "blo 24f",
-                "22:",
-                step!($pairs, "0", "30"),
-                step!($pairs, "1", "31"),
-                step!($pairs, "2", "32"),
-                step!($pairs, "3", "33"),
-                "adds r1, #4",
-                concat!("adds r3, #16 * ", $pairs),
-                "subs r2, #4",
-                "bhs 22b",
-                // The last three and fewer.
-                "24:",
-                "adds r2, #4",
-                "beq 20b",
-                "25:",
-                step!($pairs, "0", "34"),
-                "adds r1, #1",
-                concat!("adds r3, #4 * ", $pairs),
-                "subs r2, #1",
-                "bne 25b",
-                "b 20b",
+                "cmp r12, lr; beq 29f",
+                "ldrd r1, r2, [r12], #8; subs r2, r2, r1",
+                run!($pairs, "20b"),
                 "29:",
                 "pop {{r0}}",
-                concat!("stm r0, {{", $store, "}}"),
+                $(concat!("str ", $word, ", [r0], #4"),)*
                 "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
+            )
+        }
+
+        /// r0: task. r1, r2: the first run and behind the last; what is to be done is gone when it is done.
+        ///
+        /// # Safety
+        ///
+        /// All three point to what they say, and so does the task.
+        #[unsafe(naked)]
+        pub(crate) unsafe extern "C" fn $layer(task: *mut Task, first: *mut Steps, end: *const Steps) {
+            naked_asm!(
+                "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
+                "mov lr, r2",
+                "10:",
+                "ldrd r0, r12, [sp]; ldr r3, [r0, #{words}]",
+                "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
+                "20:",
+                "cmp r12, lr; beq 29f",
+                "ldrd r1, r2, [r12]; ldr r0, [r12, #8]; add r0, r1; str r0, [r12], #12",
+                run!($pairs, "20b"),
+                "29:",
+                "ldr r12, [sp]; ldr r0, [r12, #{biases}]; ldr r1, [r12, #{out}]",
+                $(activate!($word),)*
+                "ldr r2, [r12, #{gap}]; add r1, r2; str r1, [r12, #{out}]",
+                "ldr r2, [r12, #{pixels}]; subs r2, #1; str r2, [r12, #{pixels}]",
+                "bne 10b",
+                "add sp, #8",
+                "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
+                words = const WORDS,
+                biases = const BIASES,
+                out = const OUT,
+                gap = const GAP,
+                pixels = const PIXELS,
             )
         }
     };
 }
 
-kernel!(two, 2, "r8, r9");
-kernel!(three, 3, "r8, r9, r10");
-kernel!(four, 4, "r8, r9, r10, r11");
+kernel!(two, layer_two, 2, "r8" "r9");
+kernel!(three, layer_three, 3, "r8" "r9" "r10");
+kernel!(four, layer_four, 4, "r8" "r9" "r10" "r11");

@@ -200,19 +200,18 @@ impl Packed<'_> {
     }
 
     fn convolve_by<const PAIRS: usize>(&self, rows: [&[u8]; 3], out: &mut [u8]) {
-        let inputs = self.inputs;
+        let (inputs, outputs) = (self.inputs, self.biases.len());
         let width = rows[0].len() / inputs;
-        for (x, out) in out.chunks_exact_mut(self.biases.len()).take(width).enumerate() {
-            if x > 0 && x + 1 < width {
-                let runs = rows.map(|row| &row[(x - 1) * inputs..][..3 * inputs]);
-                self.pixel::<PAIRS, 3>(runs, out);
-            } else {
-                let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
-                let [above, at, below] =
-                    rows.map(|row| columns.map(|column| &row[column * inputs..][..inputs]));
-                let [[a, b, c], [d, e, f], [g, h, i]] = [above, at, below];
-                self.pixel::<PAIRS, 9>([a, b, c, d, e, f, g, h, i], out);
-            }
+        let mut edge = |x: usize| {
+            let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+            let run = |i: usize| (&rows[i / 3][columns[i % 3] * inputs..][..inputs], inputs, 0);
+            self.pixels::<PAIRS, 9>(core::array::from_fn(run), &mut out[x * outputs..][..outputs]);
+        };
+        edge(0);
+        edge(width - 1);
+        if width > 2 {
+            let runs = rows.map(|row| (row, 3 * inputs, inputs));
+            self.pixels::<PAIRS, 3>(runs, &mut out[outputs..(width - 1) * outputs]);
         }
     }
 
@@ -226,23 +225,26 @@ impl Packed<'_> {
     }
 
     fn merge_by<const PAIRS: usize>(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
-        let pixels = fine.chunks_exact(self.inputs - coarse_inputs);
-        let outs = out.chunks_exact_mut(self.biases.len());
-        for (x, (pixel, out)) in pixels.zip(outs).enumerate() {
-            let above = &coarse[(x >> 1) * coarse_inputs..][..coarse_inputs];
-            self.pixel::<PAIRS, 2>([above, pixel], out);
+        let fine_inputs = self.inputs - coarse_inputs;
+        let coarse = coarse.chunks_exact(coarse_inputs);
+        let fine = fine.chunks(2 * fine_inputs);
+        // Two pixels have the same coarser one.
+        let outs = out.chunks_mut(2 * self.biases.len());
+        for ((coarse, fine), out) in coarse.zip(fine).zip(outs) {
+            let runs = [(coarse, coarse_inputs, 0), (fine, fine_inputs, fine_inputs)];
+            self.pixels::<PAIRS, 2>(runs, out);
         }
     }
 
-    /// A pixel's activations, pass by pass.
+    /// Activations of pixels side by side, pass by pass: see [`activations`].
     #[inline(always)]
-    fn pixel<const PAIRS: usize, const RUNS: usize>(&self, runs: [&[u8]; RUNS], out: &mut [u8]) {
+    fn pixels<const PAIRS: usize, const RUNS: usize>(&self, runs: [Run; RUNS], out: &mut [u8]) {
         let (words, _) = self.words.as_chunks::<PAIRS>();
-        let outs = out.chunks_exact_mut(2 * PAIRS);
         let biases = self.biases.chunks_exact(2 * PAIRS);
         let passes = words.chunks_exact(self.taps * self.inputs);
-        for ((out, biases), words) in outs.zip(biases).zip(passes) {
-            activate(&sums(runs, words), biases, out);
+        for (pass, (biases, words)) in biases.zip(passes).enumerate() {
+            let out = out.get_mut(pass * 2 * PAIRS..).unwrap_or(&mut []);
+            activations(runs, words, biases, out, self.biases.len());
         }
     }
 
@@ -262,10 +264,28 @@ impl Packed<'_> {
     }
 }
 
+/// A run of activations of each of several pixels: the bytes, how many of them each pixel has, and how many further the next
+/// one's begin.
+type Run<'a> = (&'a [u8], usize, usize);
+
+#[cfg(all(assembly, target_arch = "arm", not(narrow_mul)))]
+use microlux_asm::activations;
+
+/// Activations of pixels side by side, `outputs` bytes from one to the next: from [`sums`], with their biases.
+#[cfg(not(all(assembly, target_arch = "arm", not(narrow_mul))))]
 #[inline(always)]
-fn activate<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16], out: &mut [u8]) {
-    for (out, sum) in out.iter_mut().zip(both(sums, biases)) {
-        *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
+fn activations<const PAIRS: usize, const RUNS: usize>(
+    runs: [Run; RUNS],
+    words: &[[u32; PAIRS]],
+    biases: &[i16],
+    out: &mut [u8],
+    outputs: usize,
+) {
+    for (x, out) in out.chunks_mut(outputs).enumerate() {
+        let runs = runs.map(|(bytes, length, step)| &bytes[x * step..][..length]);
+        for (out, sum) in out.iter_mut().zip(both(&sums(runs, words), biases)) {
+            *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
+        }
     }
 }
 
