@@ -3,7 +3,7 @@
 use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
-    film::denoise::network::{HEAD, Input, Needs, Network, Scratch, TRAINED, exposure, irradiance},
+    film::denoise::network::{HEAD, Needs, Network, Scratch, TRAINED, irradiance},
     film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Seen, Shown, Size, accumulate},
     integrator::Path,
     num::Crc,
@@ -221,8 +221,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         return 0;
     };
     region::count(3, || {
-        let exposure = exposure(now);
-        network.extract(&Alone, |at| Input::new(&now[at], lengths[at].into(), exposure));
+        network.extract_frame(&Alone, now, |at| lengths[at].into());
     });
     let done = region::count(4, || {
         let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);

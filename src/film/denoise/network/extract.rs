@@ -1,11 +1,32 @@
 use super::layer::Packed;
-use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape};
+use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape, exposure};
+use crate::film::Feature;
 use crate::film::denoise::Pair;
 use zerocopy::IntoBytes;
 
 impl Network<'_> {
     /// The heads of all sizes, from what `input` says of pixel number i.
     pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
+        self.extract_by(pair, |at, _| input(at));
+    }
+
+    /// The heads of all sizes of a frame, from how many `samples` are in pixel number i's mean.
+    pub fn extract_frame(
+        &mut self,
+        pair: &impl Pair,
+        frame: &[Feature],
+        samples: impl Fn(usize) -> u32 + Sync,
+    ) {
+        let exposure = exposure(frame);
+        self.extract_by(pair, |at, before| {
+            let pixel = |at: usize| frame.get(at).copied().unwrap_or_default();
+            let before = before.map(|seen| (pixel(at - 1), seen));
+            Input::beside(&pixel(at), samples(at), exposure, before)
+        });
+    }
+
+    /// From what `input` says of pixel number i and, if there is one, what it said of the pixel before in the row.
+    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, Option<Input>) -> Input + Sync) {
         let Network {
             weights,
             shape,
@@ -24,8 +45,11 @@ impl Network<'_> {
         let (packed, _) = weights.pack(0, words);
         let width = shape[0].width;
         let see = |y: usize, _: &[u8], row: &mut [u8]| {
-            for (x, pixel) in row.chunks_exact_mut(INPUTS).enumerate() {
-                pixel.copy_from_slice(&input(y * width + x).0);
+            let mut before = None;
+            for (x, pixel) in row.as_chunks_mut().0.iter_mut().enumerate() {
+                let seen = input(y * width + x, before);
+                *pixel = seen.0;
+                before = Some(seen);
             }
         };
         // The finest activations stand where their row's heads will.

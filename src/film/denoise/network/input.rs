@@ -1,6 +1,7 @@
 use crate::film::Feature;
 use crate::film::denoise::weight::luma_code;
 use crate::film::feature::DEPTH_NOTHING;
+use crate::geom::Octahedral;
 use crate::num::leading_zeros;
 
 /// Numbers that the network sees of a pixel.
@@ -13,11 +14,23 @@ pub struct Input(pub(super) [u8; INPUTS]);
 impl Input {
     /// Of a pixel's feature, how many samples are in its mean (0 counts as 1), and the frame's [`exposure`].
     pub fn new(feature: &Feature, samples: u32, exposure: i32) -> Input {
+        Input::beside(feature, samples, exposure, None)
+    }
+
+    /// The same, where another pixel's is known, which often looks the same way.
+    #[inline(always)]
+    pub(super) fn beside(
+        feature: &Feature,
+        samples: u32,
+        exposure: i32,
+        other: Option<(Feature, Input)>,
+    ) -> Input {
         let i = scaled(feature, exposure).map(|c| logarithm((1 << 12) + (u32::from(c) << 3), 12, 9));
         let a = feature.albedo.map(|c| c >> 2);
-        // [−1, 1] onto 0 ..= 63, rounded.
-        let n = feature.normal.decode().0;
-        let n = n.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8);
+        let n = match other {
+            Some((other, Input([.., x, y, z, _, _]))) if other.normal == feature.normal => [x, y, z],
+            _ => direction(feature.normal),
+        };
         let s = logarithm(samples.max(1), 0, 9);
         // A sky is one, wherever it is seen.
         let depth = if feature.shows_nothing() {
@@ -48,6 +61,13 @@ impl Input {
     pub fn to_bits(self) -> [u8; INPUTS] {
         self.0
     }
+}
+
+/// [−1, 1] onto 0 ..= 63, rounded.
+#[inline(never)]
+fn direction(normal: Octahedral) -> [u8; 3] {
+    let parts = normal.decode().0;
+    parts.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8)
 }
 
 /// A pixel's irradiance as the filter takes it: Q12, at most 16.

@@ -1,5 +1,5 @@
 use super::filter::kept;
-use super::{Input, Needs, Network, NetworkError, Scratch, Shape, Weights, exposure, halves, irradiance};
+use super::{Needs, Network, NetworkError, Scratch, Shape, Weights, halves, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::{self, Filter, Pair, Size};
@@ -77,12 +77,9 @@ impl<'a> Neural<'a> {
         };
         let mut network = Network::new(self.weights, width, height, scratch)?;
 
-        let (samples, exposure) = (self.samples, exposure(frame));
-        network.extract(pair, |at| match (frame.get(at), lengths.get(at)) {
-            (Some(pixel), Some(&length)) => {
-                Input::new(pixel, samples.saturating_mul(length.into()), exposure)
-            }
-            _ => Input::new(&Feature::default(), samples, exposure),
+        let samples = self.samples;
+        network.extract_frame(pair, frame, |at| {
+            samples.saturating_mul(lengths.get(at).map_or(1, |&length| length.into()))
         });
         let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
         // It is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
