@@ -88,28 +88,20 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
             *kept = pixel.irradiance;
         }
         let has_above = first as usize + row > 0;
-        let has_below = row + 1 < height || !below.is_empty();
         // The three columns about a pixel: each is looked at once.
         let column = |rows: &[Feature], x: usize| {
-            let mut column = Column::EMPTY;
             if x >= width {
-                return column;
+                return Column::EMPTY;
             }
-            if let (true, Some(light)) = (has_above, above.get(x)) {
-                column.see(*light);
-            }
-            if let Some(light) = current.get(x) {
-                column.see(*light);
-            }
+            let above = above.get(x).filter(|_| has_above).copied();
             let under = if row + 1 < height {
                 rows.get(from + width + x).map(|pixel| pixel.irradiance)
             } else {
                 below.get(x).copied()
             };
-            if let (true, Some(light)) = (has_below, under) {
-                column.see(light);
-            }
-            column
+            // Black changes nothing.
+            let light = |light: Option<Rgb9e5>| light.unwrap_or(Rgb9e5::BLACK);
+            Column::of([light(above), light(current.get(x).copied()), light(under)])
         };
         let mut columns = [Column::EMPTY, Column::EMPTY, column(rows, 0)];
         for x in 0..width {
@@ -118,7 +110,7 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
             let Some(pixel) = rows.get_mut(from + x) else {
                 continue;
             };
-            let light = near.clamped(pixel.irradiance);
+            let light = near.clamped(pixel.irradiance, columns[1].own);
             let at = (x as u16, first.wrapping_add(row as u16));
             let (light, length) = match past.and_then(|past| remember(size, past, pixel, at)) {
                 Some((then, length)) => {
@@ -165,83 +157,115 @@ fn luma(light: Rgb9e5) -> u32 {
     (octave << 16) + ((y << zeros << 1) >> 16)
 }
 
-/// What is known of up to three lights, one above the other.
+/// What is known of three lights, one above the other.
 #[derive(Clone, Copy)]
 struct Column {
-    /// The two largest luminances.
-    first: u32,
-    second: u32,
-    /// Largest of each channel, in 256ths of the exponent, which is the largest one.
-    most: [u32; 3],
-    exponent: i32,
+    /// The middle one's luminance.
+    own: u32,
+    rank: Rank,
+    most: Most,
 }
 
 impl Column {
     const EMPTY: Column = Column {
-        first: 0,
-        second: 0,
-        most: [0; 3],
-        exponent: -24,
+        own: 0,
+        rank: Rank { first: 0, second: 0 },
+        most: Most {
+            parts: [0; 3],
+            exponent: -24,
+        },
     };
 
     #[inline]
-    fn see(&mut self, light: Rgb9e5) {
-        self.rank(luma(light));
-        let (m, exponent) = light.to_parts();
-        self.measure(m.map(|m| m << 8), exponent);
-    }
-
-    #[inline]
-    fn rank(&mut self, luma: u32) {
-        if luma > self.first {
-            self.second = self.first;
-            self.first = luma;
-        } else if luma > self.second {
-            self.second = luma;
+    fn of(lights: [Rgb9e5; 3]) -> Column {
+        let [above, own, below] = lights.map(luma);
+        let rank = Rank {
+            first: above.max(own),
+            second: above.min(own),
+        };
+        Column {
+            own,
+            rank: rank.with(below),
+            most: Most::of(lights.map(|light| {
+                let (m, exponent) = light.to_parts();
+                Most {
+                    parts: m.map(|m| m << 8),
+                    exponent,
+                }
+            })),
         }
     }
+}
 
-    #[inline]
-    fn measure(&mut self, most: [u32; 3], exponent: i32) {
-        let gap = exponent - self.exponent;
-        // raw: under 2^17, so that nothing is left of it after 31 places.
-        let (own, others) = if gap > 0 {
-            self.exponent = exponent;
-            (gap.min(31), 0)
-        } else {
-            (0, (-gap).min(31))
-        };
-        for (kept, most) in self.most.iter_mut().zip(most) {
-            *kept = (*kept >> own).max(most >> others);
+/// The two largest luminances.
+#[derive(Clone, Copy)]
+struct Rank {
+    first: u32,
+    second: u32,
+}
+
+impl Rank {
+    #[inline(always)]
+    fn with(self, luma: u32) -> Rank {
+        Rank {
+            first: self.first.max(luma),
+            second: self.second.max(self.first.min(luma)),
+        }
+    }
+}
+
+/// Largest of each channel, in 256ths of the exponent, which is the largest one.
+#[derive(Clone, Copy)]
+struct Most {
+    parts: [u32; 3],
+    exponent: i32,
+}
+
+impl Most {
+    #[inline(always)]
+    fn of(all: [Most; 3]) -> Most {
+        let [a, b, c] = all;
+        let exponent = a.exponent.max(b.exponent).max(c.exponent);
+        // raw: under 2^17; exponents are 31 apart at most.
+        let [a, b, c] = all.map(|most| most.parts.map(|part| part >> ((exponent - most.exponent) & 31)));
+        Most {
+            parts: [0, 1, 2].map(|i| a[i].max(b[i]).max(c[i])),
+            exponent,
         }
     }
 }
 
 /// What is known of the light about a pixel.
-struct Near(Column);
+struct Near {
+    /// The second largest luminance.
+    second: u32,
+    most: Most,
+}
 
 impl Near {
     #[inline]
     fn of(columns: &[Column; 3]) -> Near {
-        let mut near = columns[1];
-        for side in [&columns[0], &columns[2]] {
-            near.rank(side.first);
-            near.rank(side.second);
-            near.measure(side.most, side.exponent);
+        let [left, own, right] = columns.map(|column| column.rank);
+        let rank = own
+            .with(left.first)
+            .with(left.second)
+            .with(right.first)
+            .with(right.second);
+        Near {
+            second: rank.second,
+            most: Most::of(columns.map(|column| column.most)),
         }
-        Near(near)
     }
 
     /// The light, made darker by whole octaves until it is no firefly.
     #[inline]
-    fn clamped(&self, light: Rgb9e5) -> Rgb9e5 {
-        let luma = luma(light);
-        let limit = self.0.second + (FIREFLY << 16);
+    fn clamped(&self, light: Rgb9e5, luma: u32) -> Rgb9e5 {
+        let limit = self.second + (FIREFLY << 16);
         if luma <= limit {
             return light;
         }
         // As many octaves as it takes; beside black nothing is left.
-        let down = match self.0.second {
+        let down = match self.second {
             0 => 40,
             _ => (luma - limit).div_ceil(1 << 16).min(40),
         };
@@ -252,34 +276,23 @@ impl Near {
     /// Light of another place, at most twice the brightest here, by channel.
     #[inline]
     fn around(&self, light: Rgb9e5) -> Rgb9e5 {
-        let Near(Column {
-            most,
+        let Most {
+            parts: most,
             exponent: least,
-            ..
-        }) = *self;
+        } = self.most;
         let (m, exponent) = light.to_parts();
         let up = exponent - least;
-        let limited = |i: usize| {
-            // Both in 256ths of the exponent here. raw: under 2^17 before, and 2^14 more.
-            let bits = if up >= 14 {
-                u32::MAX >> 1
-            } else if up >= 0 {
-                m[i] << 8 << up
-            } else {
-                (m[i] << 8) >> (-up).min(31)
-            };
-            if m[i] == 0 { 0 } else { bits.min(2 * most[i]) }
+        // Both in 256ths of the exponent here. raw: under 2^17 before, and 2^14 more.
+        let whole = if up >= 14 {
+            m.map(|m| if m == 0 { 0 } else { u32::MAX >> 1 })
+        } else if up >= 0 {
+            m.map(|m| m << 8 << up)
+        } else {
+            m.map(|m| (m << 8) >> (-up).min(31))
         };
-        let bits = [limited(0), limited(1), limited(2)];
+        let bits = [0, 1, 2].map(|i| whole[i].min(2 * most[i]));
         // As it was, to the last bit, where nothing is too much.
-        let whole = |i: usize| {
-            if up >= 0 {
-                m[i] << 8 << up.min(14)
-            } else {
-                (m[i] << 8) >> (-up).min(31)
-            }
-        };
-        if up < 14 && bits == [whole(0), whole(1), whole(2)] {
+        if up < 14 && bits == whole {
             return light;
         }
         Rgb9e5::from_bits(bits, least - 8)
