@@ -77,15 +77,15 @@ const OUT: usize = offset_of!(Task, out);
 const GAP: usize = offset_of!(Task, gap);
 const PIXELS: usize = offset_of!(Task, pixels);
 
-macro_rules! kernel {
-    ($sums:ident, $layer:ident, $pairs:tt, $($word:literal)*) => {
+macro_rules! sums {
+    ($name:ident, $pairs:tt, $($word:literal)*) => {
         /// r0: sums out. r1, r2: the first run and behind the last. r3: words.
         ///
         /// # Safety
         ///
         /// All four point to what they say.
         #[unsafe(naked)]
-        pub(crate) unsafe extern "C" fn $sums(
+        pub(crate) unsafe extern "C" fn $name(
             sums: *mut u32,
             first: *const Run,
             end: *const Run,
@@ -105,14 +105,18 @@ macro_rules! kernel {
                 "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
             )
         }
+    };
+}
 
+macro_rules! layer {
+    ($name:ident, $pairs:tt, $($word:literal)*) => {
         /// r0: task. r1, r2: the first run and behind the last; what is to be done is gone when it is done.
         ///
         /// # Safety
         ///
         /// All three point to what they say, and so does the task.
         #[unsafe(naked)]
-        pub(crate) unsafe extern "C" fn $layer(task: *mut Task, first: *mut Steps, end: *const Steps) {
+        pub(crate) unsafe extern "C" fn $name(task: *mut Task, first: *mut Steps, end: *const Steps) {
             naked_asm!(
                 "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
                 "mov lr, r2",
@@ -141,6 +145,78 @@ macro_rules! kernel {
     };
 }
 
-kernel!(two, layer_two, 2, "r8" "r9");
-kernel!(three, layer_three, 3, "r8" "r9" "r10");
-kernel!(four, layer_four, 4, "r8" "r9" "r10" "r11");
+/// Activations number `$at` from r1 on and from r7 on times their words from r3 on.
+#[rustfmt::skip]
+macro_rules! both {
+    ($at:literal) => {
+        concat!(
+            "ldrb r0, [r1, #", $at, "]; ldrb r6, [r7, #", $at, "];",
+            "ldrd r4, r5, [r3, #8 * ", $at, "];",
+            "mla r8, r4, r0, r8; mla r9, r5, r0, r9; mla r10, r4, r6, r10; mla r11, r5, r6, r11;",
+        )
+    };
+}
+
+/// As the others, two pixels at once, so that the words are loaded once for both; a last one is made twice and kept once.
+///
+/// # Safety
+///
+/// All three point to what they say, and so does the task.
+#[unsafe(naked)]
+pub(crate) unsafe extern "C" fn layer_two(task: *mut Task, first: *mut Steps, end: *const Steps) {
+    naked_asm!(
+        "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
+        "mov lr, r2",
+        "10:",
+        "ldrd r0, r12, [sp]; ldr r3, [r0, #{words}]",
+        "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
+        "20:",
+        "cmp r12, lr; beq 29f",
+        "ldr r0, [sp]; ldr r0, [r0, #{pixels}]; cmp r0, #1",
+        "ldrd r1, r2, [r12]; ldr r0, [r12, #8]",
+        "ite hi; addhi r7, r1, r0; movls r7, r1",
+        "add r0, r7; str r0, [r12], #12",
+        "subs r2, #4; blo 24f",
+        "22:",
+        both!("0"),
+        both!("1"),
+        both!("2"),
+        both!("3"),
+        "adds r1, #4; adds r7, #4; adds r3, #32",
+        "subs r2, #4; bhs 22b",
+        // The last three and fewer.
+        "24:",
+        "adds r2, #4; beq 20b",
+        "25:",
+        both!("0"),
+        "adds r1, #1; adds r7, #1; adds r3, #8",
+        "subs r2, #1; bne 25b",
+        "b 20b",
+        "29:",
+        "ldr r12, [sp]; ldr r0, [r12, #{biases}]; ldr r1, [r12, #{out}]",
+        "ldr r5, [r12, #{gap}]; ldr r6, [r12, #{pixels}]",
+        activate!("r8"),
+        activate!("r9"),
+        "add r1, r5; subs r6, #1; beq 30f",
+        "subs r0, #8",
+        activate!("r10"),
+        activate!("r11"),
+        "add r1, r5; subs r6, #1; beq 30f",
+        "str r1, [r12, #{out}]; str r6, [r12, #{pixels}]",
+        "b 10b",
+        "30:",
+        "add sp, #8",
+        "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
+        words = const WORDS,
+        biases = const BIASES,
+        out = const OUT,
+        gap = const GAP,
+        pixels = const PIXELS,
+    )
+}
+
+sums!(two, 2, "r8" "r9");
+sums!(three, 3, "r8" "r9" "r10");
+sums!(four, 4, "r8" "r9" "r10" "r11");
+layer!(layer_three, 3, "r8" "r9" "r10");
+layer!(layer_four, 4, "r8" "r9" "r10" "r11");
