@@ -1,7 +1,73 @@
 //! For cores of ARMv7E-M, which add up two products of 16 bits at once.
 
-use core::arch::naked_asm;
+use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
+
+/// A head's first six bytes, signed: two words of two each, bytes 0 and 2, 1 and 3, 4 and 5.
+#[derive(Clone, Copy)]
+pub struct Spread([u32; 3]);
+
+impl Spread {
+    #[inline(always)]
+    pub fn of(head: &[u8; 8]) -> Spread {
+        let [a, b] = words(head);
+        let (even, odd, last);
+        // SAFETY: arithmetic in registers.
+        unsafe {
+            asm!(
+                "sxtb16 {even}, {a}",
+                "sxtb16 {odd}, {a}, ror #8",
+                "pkhbt {last}, {b}, {b}, lsl #8",
+                "sxtb16 {last}, {last}",
+                a = in(reg) a,
+                b = in(reg) b,
+                even = out(reg) even,
+                odd = out(reg) odd,
+                last = out(reg) last,
+                options(pure, nomem, nostack, preserves_flags),
+            );
+        }
+        Spread([even, odd, last])
+    }
+
+    /// The squared distance to another head.
+    #[inline(always)]
+    pub fn square(self, head: &[u8; 8]) -> u32 {
+        let Spread([even, odd, last]) = self;
+        let [a, b] = words(head);
+        let square;
+        // SAFETY: arithmetic in registers.
+        unsafe {
+            asm!(
+                "sxtb16 {part}, {a}",
+                "ssub16 {part}, {even}, {part}",
+                "smuad {square}, {part}, {part}",
+                "sxtb16 {part}, {a}, ror #8",
+                "ssub16 {part}, {odd}, {part}",
+                "smlad {square}, {part}, {part}, {square}",
+                "pkhbt {part}, {b}, {b}, lsl #8",
+                "sxtb16 {part}, {part}",
+                "ssub16 {part}, {last}, {part}",
+                "smlad {square}, {part}, {part}, {square}",
+                a = in(reg) a,
+                b = in(reg) b,
+                even = in(reg) even,
+                odd = in(reg) odd,
+                last = in(reg) last,
+                part = out(reg) _,
+                square = out(reg) square,
+                options(pure, nomem, nostack),
+            );
+        }
+        square
+    }
+}
+
+#[inline(always)]
+fn words(head: &[u8; 8]) -> [u32; 2] {
+    let [a, b, c, d, e, f, g, h] = *head;
+    [[a, b, c, d], [e, f, g, h]].map(u32::from_le_bytes)
+}
 
 /// Pixels side by side; in the order in which [`add`] reads it.
 #[repr(C)]

@@ -57,7 +57,7 @@ mod sums;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
 #[cfg(armv7em)]
-pub use armv7em::gather;
+pub use armv7em::{Spread, gather};
 #[cfg(armv7m)]
 pub use armv7m::walk::Walk;
 #[cfg(any(armv6m, armv7m))]

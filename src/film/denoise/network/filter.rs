@@ -83,18 +83,35 @@ fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
 }
 
 #[inline(always)]
-fn affinity(a: &[i32; FEATURES], b: &Head) -> u32 {
-    let mut square = 0u32;
-    for i in 0..FEATURES {
-        let d = a[i] - i32::from(b[i] as i8);
-        square += (d * d) as u32;
-    }
-    u32::from(EXP[(square >> 1).min(255) as usize])
+fn affinity(a: Spread, b: &Head) -> u32 {
+    u32::from(EXP[(a.square(b) >> 1).min(255) as usize])
 }
 
-#[inline(always)]
-fn features(head: &Head) -> [i32; FEATURES] {
-    core::array::from_fn(|i| i32::from(head[i] as i8))
+#[cfg(gathers)]
+use microlux_asm::Spread;
+
+/// A head's features.
+#[cfg(not(gathers))]
+#[derive(Clone, Copy)]
+struct Spread([i32; FEATURES]);
+
+#[cfg(not(gathers))]
+impl Spread {
+    #[inline(always)]
+    fn of(head: &Head) -> Spread {
+        Spread(core::array::from_fn(|i| i32::from(head[i] as i8)))
+    }
+
+    /// The squared distance to another head's.
+    #[inline(always)]
+    fn square(self, other: &Head) -> u32 {
+        let mut square = 0;
+        for i in 0..FEATURES {
+            let d = self.0[i] - i32::from(other[i] as i8);
+            square += (d * d) as u32;
+        }
+        square
+    }
 }
 
 /// 1 ..= 256.
@@ -351,11 +368,11 @@ impl<'a> Plane<'a> {
     #[inline(always)]
     fn mean_of_four(self, light: &impl Fn(usize) -> Light, x: usize, y: usize, coarse: &Head) -> Light {
         let Shape { width, height } = self.shape;
-        let own = features(coarse);
+        let own = Spread::of(coarse);
         let (left, top) = (2 * x, 2 * y);
         let (right, below) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
         // Never nothing.
-        let weight = |at: usize| ((affinity(&own, &self.heads[at]) * confidence(&self.heads[at])) >> 6) + 1;
+        let weight = |at: usize| ((affinity(own, &self.heads[at]) * confidence(&self.heads[at])) >> 6) + 1;
         let first = top * width + left;
         let mut mean = Mean::new(light(first), weight(first));
         for at in [top * width + right, below * width + left, below * width + right] {
@@ -437,11 +454,11 @@ impl<const ROWS: usize> Near<'_, ROWS> {
 #[cfg(not(gathers))]
 #[inline(always)]
 fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [u32; 4] {
-    let own = features(own);
+    let own = Spread::of(own);
     let mut mean = Mean::new([0; 3], 0);
     for (heads, lights) in runs {
         for (head, light) in heads.iter().zip(lights) {
-            mean.add(*light, (affinity(&own, head) * confidence(head)) >> 6);
+            mean.add(*light, (affinity(own, head) * confidence(head)) >> 6);
         }
     }
     let [r, g, b] = mean.sum;
@@ -469,7 +486,7 @@ impl Coarse<'_> {
             heads,
             shape: Shape { width, height },
         } = self.plane;
-        let head = features(head);
+        let head = Spread::of(head);
         let (near_x, near_y) = (x >> 1, y >> 1);
         let far_x = if x & 1 == 0 {
             near_x.saturating_sub(1)
@@ -482,10 +499,10 @@ impl Coarse<'_> {
             (near_y + 1).min(height - 1)
         };
         let near = near_y * width + near_x;
-        let mut mean = Mean::new(self.light[near], 9 * affinity(&head, &heads[near]) + 1);
+        let mut mean = Mean::new(self.light[near], 9 * affinity(head, &heads[near]) + 1);
         for (x, y, share) in [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)] {
             let place = y * width + x;
-            mean.add(self.light[place], share * affinity(&head, &heads[place]));
+            mean.add(self.light[place], share * affinity(head, &heads[place]));
         }
         mean.value()
     }
