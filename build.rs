@@ -3,7 +3,7 @@
 //! taps.
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, gathers)");
+    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers)");
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
     let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
@@ -19,6 +19,9 @@ fn main() {
     let has_routines = is_narrow || is(&["thumbv7m", "thumbv7em", "thumbv8m.main", "riscv32im"]);
     if has_routines && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
         println!("cargo::rustc-cfg=assembly");
+        if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
+            println!("cargo::rustc-cfg=layers");
+        }
         if is(&["thumbv7em"]) {
             println!("cargo::rustc-cfg=gathers");
         }

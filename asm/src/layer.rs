@@ -1,4 +1,4 @@
-use crate::armv7m::sums::{layer_four, layer_three, layer_two};
+use crate::armv7m::layer::{layer_four, layer_heads, layer_three, layer_two};
 
 /// A run of each of several pixels: where it begins, how long it is, and how far it is to the next pixel's.
 #[repr(C)]
@@ -39,6 +39,28 @@ pub fn activations<const PAIRS: usize, const RUNS: usize>(
         4 => layer_four,
         _ => return,
     };
+    by(make, runs, words, biases, out, outputs);
+}
+
+/// Heads of pixels side by side, of `inputs` activations each: six signed bytes, 128ths of the sums with their biases, then two
+/// about 128, 16ths of theirs. Nothing is made where anything is short.
+#[inline]
+pub fn heads(pixels: &[u8], inputs: usize, words: &[[u32; 4]], biases: &[i16], out: &mut [[u8; 8]]) {
+    let runs = [(pixels, inputs, inputs)];
+    by(layer_heads, runs, words, biases, out.as_flattened_mut(), 8);
+}
+
+type Make = unsafe extern "C" fn(*mut Task, *mut Steps, *const Steps);
+
+#[inline(always)]
+fn by<const PAIRS: usize, const RUNS: usize>(
+    make: Make,
+    runs: [(&[u8], usize, usize); RUNS],
+    words: &[[u32; PAIRS]],
+    biases: &[i16],
+    out: &mut [u8],
+    outputs: usize,
+) {
     let made = 2 * PAIRS;
     if outputs < made || out.len() < made || biases.len() < made {
         return;
@@ -67,7 +89,7 @@ pub fn activations<const PAIRS: usize, const RUNS: usize>(
         step,
     });
     let range = runs.as_mut_ptr_range();
-    // SAFETY: each run has its bytes for all pixels, `words` has `PAIRS` for each byte of a pixel, there are two biases a word,
+    // SAFETY: `make` takes `PAIRS`; each run has its bytes for all pixels, `words` has `PAIRS` for each byte of a pixel, there are two biases a word,
     // and room for as many activations of each pixel.
     unsafe { make(&mut task, range.start, range.end) }
 }

@@ -17,9 +17,9 @@ pub fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
     words: &[[u32; PAIRS]],
 ) -> [u32; PAIRS] {
-    #[cfg(any(armv6m, armv7m))]
+    #[cfg(armv6m)]
     if matches!(PAIRS, 2..=4) && runs.iter().map(|run| run.len()).sum::<usize>() <= words.len() {
-        return sums::sums(runs, words);
+        return armv6m::sums::sums(runs, words);
     }
     plain(runs, words)
 }
@@ -52,8 +52,6 @@ mod layer;
 mod ray;
 #[cfg(target_arch = "riscv32")]
 mod rv32;
-#[cfg(any(armv6m, armv7m))]
-mod sums;
 #[cfg(armv6m)]
 pub use armv6m::walk::Walk;
 #[cfg(armv7em)]
@@ -63,7 +61,7 @@ pub use armv7m::walk::Walk;
 #[cfg(any(armv6m, armv7m))]
 pub use facets::Facets;
 #[cfg(armv7m)]
-pub use layer::activations;
+pub use layer::{activations, heads};
 #[cfg(any(armv6m, armv7m, target_arch = "riscv32"))]
 pub use ray::{Corner, DEPTH_BITS, Leaves, Met, Order, Ray, STACK};
 #[cfg(target_arch = "riscv32")]

@@ -1,6 +1,37 @@
 use core::arch::naked_asm;
 
-use crate::sums::Run;
+/// A run's first activation, and what lies behind its last.
+#[repr(C)]
+struct Run {
+    first: *const u8,
+    end: *const u8,
+}
+
+/// `PAIRS` is 2, 3 or 4, and there are no fewer words than activations.
+#[inline]
+pub fn sums<const PAIRS: usize, const RUNS: usize>(
+    runs: [&[u8]; RUNS],
+    words: &[[u32; PAIRS]],
+) -> [u32; PAIRS] {
+    let runs = runs.map(|run| {
+        let range = run.as_ptr_range();
+        Run {
+            first: range.start,
+            end: range.end,
+        }
+    });
+    let range = runs.as_ptr_range();
+    let mut sums = [0; PAIRS];
+    let add = match PAIRS {
+        2 => two,
+        3 => three,
+        _ => four,
+    };
+    // SAFETY: `runs` are slices one after the other, `words` has `PAIRS` words for each of their bytes (the caller's
+    // promise), and `sums` has room for as many.
+    unsafe { add(sums.as_mut_ptr(), range.start, range.end, words.as_ptr().cast()) }
+    sums
+}
 
 /// Activation number `$at` from r1 on times the words at r3, which moves on. `$zero` is where r3 moves on for a 0, `$next`
 /// is the place behind.
@@ -49,12 +80,7 @@ macro_rules! kernel {
         ///
         /// All four point to what they say.
         #[unsafe(naked)]
-        pub(crate) unsafe extern "C" fn $name(
-            sums: *mut u32,
-            first: *const Run,
-            end: *const Run,
-            words: *const u32,
-        ) {
+        unsafe extern "C" fn $name(sums: *mut u32, first: *const Run, end: *const Run, words: *const u32) {
             naked_asm!(
                 "push {{r0, r4, r5, r6, r7, lr}}",
                 save_upper!(),

@@ -8,5 +8,5 @@
 //! these, 80 what is met.
 
 pub(crate) mod facets;
-pub(crate) mod sums;
+pub(crate) mod layer;
 pub(crate) mod walk;

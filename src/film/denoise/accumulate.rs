@@ -356,8 +356,10 @@ fn remember<M: Reproject>(
         let across = if dx == 0 { 16 - part[0] } else { part[0] };
         let down = if dy == 0 { 16 - part[1] } else { part[1] };
         let weight = across * down;
-        let Some((was, length)) = at(left + dx, top + dy).filter(|(was, _)| weight > 0 && is_alike(was))
-        else {
+        if weight == 0 {
+            continue;
+        }
+        let Some((was, length)) = at(left + dx, top + dy).filter(|(was, _)| is_alike(was)) else {
             continue;
         };
         *tap = (was.irradiance, weight);

@@ -63,7 +63,8 @@ pub(super) fn luma_code(light: Rgb9e5) -> u8 {
     let zeros = leading_zeros(y);
     let eighth = ((y << zeros) >> 28) & 7;
     let octave = 31 - zeros as i32 + exponent - 8 + 15;
-    (1 + 8 * octave + eighth as i32).clamp(1, 255) as u8
+    // raw: octaves are under 31.
+    (1 + 8 * octave + eighth as i32).max(1) as u8
 }
 
 /// A weighted mean of lights, its sum in 32 bits.

@@ -110,9 +110,7 @@ impl Network<'_> {
             } else {
                 let (head, _) = weights.pack(11, rest);
                 let keep = |row: &[u8], place: &mut [u8]| {
-                    for (pixel, out) in row.chunks_exact(own).zip(place.as_chunks_mut::<HEAD>().0) {
-                        *out = head.head(pixel);
-                    }
+                    head.heads(row, place.as_chunks_mut().0);
                 };
                 layer.run(pair, &mut rings, fine, fill, keep);
             }
@@ -125,9 +123,8 @@ impl Network<'_> {
         squeeze(&weights.pack(12, words).0, &mut half[..count(1)]);
         let (_, places) = half.split_at_mut(HEAD * shape[1].pixels());
         let (head, _) = weights.pack(13, words);
-        for (pixel, place) in quarter.chunks_exact(CHANNELS[2]).zip(places.as_chunks_mut().0) {
-            *place = head.head(pixel);
-        }
+        let (places, _) = places.as_chunks_mut();
+        head.heads(quarter, &mut places[..shape[2].pixels()]);
     }
 
     /// The heads of size `level` (0 is the finest), after [`Self::extract`]: features as `i8`, confidence, blend.

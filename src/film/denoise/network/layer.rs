@@ -1,4 +1,4 @@
-use super::{CHANNELS, FEATURES, HEAD, INPUTS, LEVELS};
+use super::{CHANNELS, HEAD, INPUTS, LEVELS};
 
 /// Weights of all layers together.
 pub const WEIGHTS: usize = {
@@ -248,97 +248,25 @@ impl Packed<'_> {
         }
     }
 
-    /// The head of a pixel: features in eighths, confidence and blend in 256ths about ½.
-    pub fn head(&self, pixel: &[u8]) -> [u8; HEAD] {
+    /// The heads of pixels side by side: features in eighths, confidence and blend in 256ths about ½.
+    pub fn heads(&self, pixels: &[u8], out: &mut [[u8; HEAD]]) {
         let (words, _) = self.words.as_chunks::<{ HEAD / 2 }>();
-        let sums = sums([pixel], words);
-        let mut head = [0; HEAD];
-        for (i, (out, sum)) in head.iter_mut().zip(both(&sums, self.biases)).enumerate() {
-            *out = if i < FEATURES {
-                ((sum + 64) >> 7).clamp(-128, 127) as i8 as u8
-            } else {
-                (128 + ((sum + 8) >> 4)).clamp(0, 255) as u8
-            };
-        }
-        head
+        heads(pixels, self.inputs, words, self.biases, out);
+    }
+
+    /// The head of one.
+    pub fn head(&self, pixel: &[u8]) -> [u8; HEAD] {
+        let mut head = [[0; HEAD]];
+        self.heads(pixel, &mut head);
+        head[0]
     }
 }
 
 /// A run of activations of each of several pixels: the bytes, how many of them each pixel has, and how many further the next
 /// one's begin.
-type Run<'a> = (&'a [u8], usize, usize);
+pub(super) type Run<'a> = (&'a [u8], usize, usize);
 
-#[cfg(all(assembly, target_arch = "arm", not(narrow_mul)))]
-use microlux_asm::activations;
-
-/// Activations of pixels side by side, `outputs` bytes from one to the next: from [`sums`], with their biases.
-#[cfg(not(all(assembly, target_arch = "arm", not(narrow_mul))))]
-#[inline(always)]
-fn activations<const PAIRS: usize, const RUNS: usize>(
-    runs: [Run; RUNS],
-    words: &[[u32; PAIRS]],
-    biases: &[i16],
-    out: &mut [u8],
-    outputs: usize,
-) {
-    for (x, out) in out.chunks_mut(outputs).enumerate() {
-        let runs = runs.map(|(bytes, length, step)| &bytes[x * step..][..length]);
-        for (out, sum) in out.iter_mut().zip(both(&sums(runs, words), biases)) {
-            *out = ((sum + 32) >> 6).clamp(0, 63) as u8;
-        }
-    }
-}
-
-/// Both sums of each word, with their biases.
-#[inline(always)]
-fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterator<Item = i32> {
-    let both = sums.iter().flat_map(|&word| {
-        let low = i32::from(word as i16);
-        [low, (word as i32).wrapping_sub(low) >> 16]
-    });
-    both.zip(biases).map(|(sum, &bias)| sum + i32::from(bias))
-}
-
-#[cfg(all(assembly, target_arch = "arm"))]
-use microlux_asm::sums;
-
-/// Products of activations, run by run, with two weights a word, added up modulo 2^32.
-#[cfg(not(all(assembly, target_arch = "arm")))]
-#[inline(always)]
-fn sums<const PAIRS: usize, const RUNS: usize>(
-    runs: [&[u8]; RUNS],
-    mut words: &[[u32; PAIRS]],
-) -> [u32; PAIRS] {
-    let mut sums = [0; PAIRS];
-    for run in runs {
-        let (fours, others) = run.as_chunks::<4>();
-        for four in fours {
-            let Some((front, rest)) = words.split_first_chunk::<4>() else {
-                return sums;
-            };
-            words = rest;
-            for (input, words) in four.iter().zip(front) {
-                add(&mut sums, *input, words);
-            }
-        }
-        for input in others {
-            let Some((front, rest)) = words.split_first() else {
-                return sums;
-            };
-            words = rest;
-            add(&mut sums, *input, front);
-        }
-    }
-    sums
-}
-
-/// A third to two thirds of activations are 0.
-#[cfg(not(all(assembly, target_arch = "arm")))]
-#[inline(always)]
-fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
-    if input != 0 {
-        for (sum, &word) in sums.iter_mut().zip(words) {
-            *sum = sum.wrapping_add(word.wrapping_mul(input.into()));
-        }
-    }
-}
+#[cfg(not(layers))]
+use super::plain::{activations, heads};
+#[cfg(layers)]
+use microlux_asm::{activations, heads};

@@ -24,6 +24,8 @@ mod filter;
 mod input;
 mod layer;
 mod neural;
+#[cfg(not(layers))]
+mod plain;
 mod weights;
 
 pub use filter::EXP;

@@ -2,19 +2,10 @@ use core::arch::naked_asm;
 use core::mem::offset_of;
 
 use crate::layer::{Steps, Task};
-use crate::sums::Run;
 
 /// Activation number `$at` from r1 on times its words from r3 on; `$next` is the place behind.
 #[rustfmt::skip]
 macro_rules! step {
-    (2, $at:literal, $next:literal) => {
-        concat!(
-            "ldrb r0, [r1, #", $at, "]; cbz r0, ", $next, "f;",
-            "ldrd r4, r5, [r3, #8 * ", $at, "];",
-            "mla r8, r4, r0, r8; mla r9, r5, r0, r9;",
-            $next, ":",
-        )
-    };
     (3, $at:literal, $next:literal) => {
         concat!(
             "ldrb r0, [r1, #", $at, "]; cbz r0, ", $next, "f;",
@@ -71,45 +62,40 @@ macro_rules! activate {
     };
 }
 
+/// The same as two signed bytes: 128ths, rounded.
+#[rustfmt::skip]
+macro_rules! feature {
+    ($word:literal) => {
+        concat!(
+            "ldrsh r2, [r0], #2; ldrsh r3, [r0], #2;",
+            "sxth r4, ", $word, "; add r2, r4; adds r2, #64; ssat r2, #8, r2, asr #7; strb r2, [r1], #1;",
+            "add r4, ", $word, ", #0x8000; add r3, r3, r4, asr #16;",
+            "adds r3, #64; ssat r3, #8, r3, asr #7; strb r3, [r1], #1;",
+        )
+    };
+}
+
+/// The same as two bytes about 128: 16ths, rounded.
+#[rustfmt::skip]
+macro_rules! share {
+    ($word:literal) => {
+        concat!(
+            "ldrsh r2, [r0], #2; ldrsh r3, [r0], #2;",
+            "sxth r4, ", $word, "; add r2, r4; add r2, #0x808; usat r2, #8, r2, asr #4; strb r2, [r1], #1;",
+            "add r4, ", $word, ", #0x8000; add r3, r3, r4, asr #16;",
+            "add r3, #0x808; usat r3, #8, r3, asr #4; strb r3, [r1], #1;",
+        )
+    };
+}
+
 const WORDS: usize = offset_of!(Task, words);
 const BIASES: usize = offset_of!(Task, biases);
 const OUT: usize = offset_of!(Task, out);
 const GAP: usize = offset_of!(Task, gap);
 const PIXELS: usize = offset_of!(Task, pixels);
 
-macro_rules! sums {
-    ($name:ident, $pairs:tt, $($word:literal)*) => {
-        /// r0: sums out. r1, r2: the first run and behind the last. r3: words.
-        ///
-        /// # Safety
-        ///
-        /// All four point to what they say.
-        #[unsafe(naked)]
-        pub(crate) unsafe extern "C" fn $name(
-            sums: *mut u32,
-            first: *const Run,
-            end: *const Run,
-            words: *const u32,
-        ) {
-            naked_asm!(
-                "push {{r0, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
-                "mov r12, r1; mov lr, r2",
-                "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
-                "20:",
-                "cmp r12, lr; beq 29f",
-                "ldrd r1, r2, [r12], #8; subs r2, r2, r1",
-                run!($pairs, "20b"),
-                "29:",
-                "pop {{r0}}",
-                $(concat!("str ", $word, ", [r0], #4"),)*
-                "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
-            )
-        }
-    };
-}
-
 macro_rules! layer {
-    ($name:ident, $pairs:tt, $($word:literal)*) => {
+    ($name:ident, $pairs:tt, $($make:ident $word:literal)*) => {
         /// r0: task. r1, r2: the first run and behind the last; what is to be done is gone when it is done.
         ///
         /// # Safety
@@ -129,7 +115,7 @@ macro_rules! layer {
                 run!($pairs, "20b"),
                 "29:",
                 "ldr r12, [sp]; ldr r0, [r12, #{biases}]; ldr r1, [r12, #{out}]",
-                $(activate!($word),)*
+                $($make!($word),)*
                 "ldr r2, [r12, #{gap}]; add r1, r2; str r1, [r12, #{out}]",
                 "ldr r2, [r12, #{pixels}]; subs r2, #1; str r2, [r12, #{pixels}]",
                 "bne 10b",
@@ -215,8 +201,6 @@ pub(crate) unsafe extern "C" fn layer_two(task: *mut Task, first: *mut Steps, en
     )
 }
 
-sums!(two, 2, "r8" "r9");
-sums!(three, 3, "r8" "r9" "r10");
-sums!(four, 4, "r8" "r9" "r10" "r11");
-layer!(layer_three, 3, "r8" "r9" "r10");
-layer!(layer_four, 4, "r8" "r9" "r10" "r11");
+layer!(layer_three, 3, activate "r8" activate "r9" activate "r10");
+layer!(layer_four, 4, activate "r8" activate "r9" activate "r10" activate "r11");
+layer!(layer_heads, 4, feature "r8" feature "r9" feature "r10" share "r11");
