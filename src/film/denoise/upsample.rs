@@ -197,7 +197,7 @@ fn words(pixel: &Feature) -> [u32; 2] {
 }
 
 /// Eighths of a half-life; from [`LEAST`] on, as many at least.
-#[inline(never)]
+#[inline]
 fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
     let ([tap_seen, tap_looks], [seen, looks]) = (words(pixel), words(guide));
     if shines(tap_seen) != shines(seen) {

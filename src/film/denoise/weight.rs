@@ -37,16 +37,21 @@ pub(super) fn turn_of(a: &Feature, b: &Feature) -> u32 {
     if a.normal == b.normal {
         0
     } else {
-        turn(short_normal(a), short_normal(b))
+        turn_between(a, b)
     }
+}
+
+#[inline(never)]
+fn turn_between(a: &Feature, b: &Feature) -> u32 {
+    turn(short_normal(a), short_normal(b))
 }
 
 /// Whether a pixel is nothing but a lamp (or as white as can be): from its word of albedo and distance as it lies in memory.
 #[inline(always)]
 pub(super) fn shines(word: u32) -> bool {
-    let word = u32::from_le(word);
     // White, and not infinitely far away, which has a distance of 255.
-    word | 0xff << 24 == u32::MAX && word != u32::MAX
+    let next = u32::from_le(word).wrapping_add(1);
+    next != 0 && next << 8 == 0
 }
 
 /// The logarithm of luminance, eighths of an octave from 2^-15 (1) on; 0 for black.
