@@ -1,6 +1,6 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
-//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`, `gathers` where one adds up the filter's
-//! taps.
+//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `layers` where it has the network's,
+//! `gathers` where it adds up its filter's taps.
 
 fn main() {
     println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers)");

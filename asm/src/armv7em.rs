@@ -3,7 +3,7 @@
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
 
-/// A head's first six bytes, signed: two words of two each, bytes 0 and 2, 1 and 3, 4 and 5.
+/// A head's first six bytes, signed, two to a word: bytes 0 and 2, 1 and 3, 4 and 5.
 #[derive(Clone, Copy)]
 pub struct Spread([u32; 3]);
 

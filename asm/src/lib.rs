@@ -1,11 +1,12 @@
 //! Inner loops of microlux in assembly, where registers handed out by hand spare what a compiler spills.
 //!
 //! `Walk` goes through a tree along a ray, `Facets` looks at triangles; the core has the portable twin of both, and
-//! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`] is
-//! the network's.
+//! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`],
+//! `activations`, `heads`, `gather` and `Spread` are the network's, held against its portable layers and filter by the job
+//! `network`.
 //!
-//! Cores of ARMv6-M have all of it, those of ARMv7-M and RV32IM `Walk` and `Facets`; elsewhere [`sums`] is [`plain`], and the
-//! rest is not there.
+//! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, the first [`sums`] besides, those of ARMv7-M `activations` and
+//! `heads`, and those of ARMv7E-M `gather` and `Spread`; elsewhere [`sums`] is [`plain`], and the rest is not there.
 
 #![no_std]
 

@@ -8,6 +8,7 @@ use microlux::film::denoise::network::{
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
 use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};
+use microlux::geom::Octahedral;
 use microlux::num::Crc;
 
 use crate::{Backwards, Random, Threads};
@@ -356,7 +357,7 @@ fn a_filters_memory_does_not_matter() {
             albedo: [0; 3].map(|_| rng.below(256) as u8),
             depth: [rng.below(256) as u8, DEPTH_NOTHING][rng.below(2) as usize],
             id: [3, ID_NOTHING][rng.below(2) as usize],
-            ..Feature::default()
+            normal: Octahedral([0, 100, -100].map(|c| [c, 27])[rng.below(3) as usize]),
         };
         let frame: Vec<Feature> = (0..count).map(|_| pixel()).collect();
         let lengths: Vec<u8> = (0..count).map(|at| 1 + at as u8 % 8).collect();

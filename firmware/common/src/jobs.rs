@@ -4,9 +4,12 @@ use microlux::num::Crc;
 use microlux::scene::builtin::Builtin::{Cornell, Implicits, Map, Materials, Sky, Spheres, Torus};
 
 #[cfg(feature = "roomy")]
-use crate::denoise::{
-    self,
-    Way::{Atrous, Neural},
+use crate::{
+    denoise::{
+        self,
+        Way::{Atrous, Neural},
+    },
+    network,
 };
 use crate::{
     edges, flags,
@@ -346,16 +349,22 @@ const DENOISED: &[Job] = &[
     steadied("sky-taa-1", Sky, Reach::Quick),
 ];
 
-/// Pictures of no record.
+/// Of no record.
 #[cfg(feature = "roomy")]
-const OTHERS: &[Job] = &[picture(
-    "cornell-bdpt-8x8",
-    Cornell,
-    Integrator::Deep,
-    Independent,
-    1,
-    Reach::Roomy,
-)];
+const OTHERS: &[Job] = &[
+    Job {
+        reach: Reach::Roomy,
+        ..Job::machine("network", network::run)
+    },
+    picture(
+        "cornell-bdpt-8x8",
+        Cornell,
+        Integrator::Deep,
+        Independent,
+        1,
+        Reach::Roomy,
+    ),
+];
 
 #[cfg(not(feature = "roomy"))]
 const MESH: &[Job] = &[];

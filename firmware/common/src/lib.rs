@@ -18,6 +18,8 @@ pub mod golden;
 pub mod jobs;
 pub mod mesh;
 mod meshes;
+#[cfg(feature = "roomy")]
+mod network;
 mod random;
 pub mod rays;
 pub mod raystones;

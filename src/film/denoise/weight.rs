@@ -143,7 +143,8 @@ impl Mean {
         let (bits, exponent) = self.divided();
         // The largest has 31 bits or 32: what `from_bits` does, where it has no end of the range to mind.
         let shift = 22 + ((bits[0] | bits[1] | bits[2]) >> 31);
-        let [r, g, b] = bits.map(|b| ((b >> (shift - 1)) + 1) >> 1);
+        let rounded = |bits: u32| ((bits >> (shift - 1)) + 1) >> 1;
+        let [r, g, b] = [rounded(bits[0]), rounded(bits[1]), rounded(bits[2])];
         let e = exponent + shift as i32 + 24;
         if (256..512).contains(&(r | g | b)) && (0..32).contains(&e) {
             return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
