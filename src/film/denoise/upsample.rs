@@ -144,6 +144,7 @@ impl Four<'_> {
             && !shines(seen)
             && (apart[0] | apart[1] | apart[2] | apart[3]) < UNLIKE[0];
         let weights = if is_one {
+            // Each is under 32.
             apart.map(|unlike| FALL[unlike as usize & 31])
         } else {
             let unlike = [

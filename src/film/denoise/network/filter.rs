@@ -105,12 +105,8 @@ impl Spread {
     /// The squared distance to another head's.
     #[inline(always)]
     fn square(self, other: &Head) -> u32 {
-        let mut square = 0;
-        for i in 0..FEATURES {
-            let d = self.0[i] - i32::from(other[i] as i8);
-            square += (d * d) as u32;
-        }
-        square
+        let apart = |(own, other): (&i32, &u8)| own - i32::from(*other as i8);
+        self.0.iter().zip(other).map(apart).map(|d| (d * d) as u32).sum()
     }
 }
 
