@@ -3,13 +3,16 @@
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
 
+type Head = [u8; 8];
+type Light = [u16; 3];
+
 /// A head's first six bytes, signed, two to a word: bytes 0 and 2, 1 and 3, 4 and 5.
 #[derive(Clone, Copy)]
 pub struct Spread([u32; 3]);
 
 impl Spread {
     #[inline(always)]
-    pub fn of(head: &[u8; 8]) -> Spread {
+    pub fn of(head: &Head) -> Spread {
         let [a, b] = words(head);
         let (even, odd, last);
         // SAFETY: arithmetic in registers.
@@ -32,7 +35,7 @@ impl Spread {
 
     /// The squared distance to another head.
     #[inline(always)]
-    pub fn square(self, head: &[u8; 8]) -> u32 {
+    pub fn square(self, head: &Head) -> u32 {
         let Spread([even, odd, last]) = self;
         let [a, b] = words(head);
         let square;
@@ -64,7 +67,7 @@ impl Spread {
 }
 
 #[inline(always)]
-fn words(head: &[u8; 8]) -> [u32; 2] {
+fn words(head: &Head) -> [u32; 2] {
     let [a, b, c, d, e, f, g, h] = *head;
     [[a, b, c, d], [e, f, g, h]].map(u32::from_le_bytes)
 }
@@ -72,15 +75,15 @@ fn words(head: &[u8; 8]) -> [u32; 2] {
 /// Pixels side by side; in the order in which [`add`] reads it.
 #[repr(C)]
 struct Run {
-    heads: *const [u8; 8],
-    lights: *const [u16; 3],
+    heads: *const Head,
+    lights: *const Light,
     count: u32,
 }
 
 /// What [`add`] is told, and what it answers.
 #[repr(C)]
 struct Frame {
-    own: *const [u8; 8],
+    own: *const Head,
     table: *const u8,
     /// The weights, and the lights by weight.
     sums: [u32; 4],
@@ -95,8 +98,8 @@ const _: () = assert!(offset_of!(Frame, table) == 4 && offset_of!(Frame, sums) =
 /// (signed), its last entry of all that is larger; confidence is the seventh byte.
 #[inline]
 pub fn gather<const RUNS: usize>(
-    own: &[u8; 8],
-    runs: [(&[[u8; 8]], &[[u16; 3]]); RUNS],
+    own: &Head,
+    runs: [(&[Head], &[Light]); RUNS],
     table: &[u8; 256],
 ) -> [u32; 4] {
     let runs = runs.map(|(heads, lights)| Run {
