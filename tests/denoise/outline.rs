@@ -114,10 +114,10 @@ fn errors(samples: u32, random: &mut Random, shown: impl Fn(&[Feature]) -> Vec<f
 #[test]
 fn outlines_are_off_by_as_little_as_the_formula_says() {
     let mut random = Random(1);
-    for (samples, meant) in [(1, 0.42), (2, 0.54), (4, 0.67)] {
+    for (samples, meant) in [(1, 0.25), (2, 0.54), (4, 0.67)] {
         let [mixed, own] = errors(samples, &mut random, |frame| shown(frame, 1, samples as u8));
         let quotient = mixed / own;
-        // The formula is of outlines along an axis, and of all that are seen.
+        // The formula, that of more than one sample, is of outlines along an axis, and of all that are seen.
         assert!((quotient / meant - 1.0).abs() < 0.1, "{samples}: {quotient}");
     }
 }
@@ -138,11 +138,11 @@ fn what_is_known_well_is_left_alone() {
         let steps = seen.iter().zip(&own).map(|(seen, own)| (seen - own).abs());
         steps.fold(0.0, f64::max) / LIGHT
     };
-    let steps = [(1, 1), (1, 2), (1, 4), (1, 8), (4, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
+    let steps = [(1, 2), (1, 4), (1, 8), (4, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
     assert!(steps.is_sorted_by(|a, b| a >= b), "{steps:?}");
-    assert!(steps[0] > 0.1 && steps[3] > 0.01, "{steps:?}");
+    assert!(steps[0] > 0.1 && steps[2] > 0.01, "{steps:?}");
     // Four samples of one frame know enough. Nine bits are what light is kept in.
-    assert!(steps[4] < 0.002, "{steps:?}");
+    assert!(steps[3] < 0.002, "{steps:?}");
 }
 
 #[test]
@@ -166,17 +166,18 @@ fn within_one_thing_nothing_is_mixed() {
     let at = |x: usize, y: usize| y * usize::from(SIZE.width) + x;
     frame[at(5, 5)].id = 8;
     frame[at(20, 0)].depth = 120;
-    let mixed: Vec<usize> = shown(&frame, 1, 1)
-        .iter()
-        .zip(own(&frame))
-        .enumerate()
-        .filter_map(|(i, (seen, own))| (*seen != own).then_some(i))
-        .collect();
+    let mixed = |frames| -> Vec<usize> {
+        let pairs = shown(&frame, 1, frames).into_iter().zip(own(&frame));
+        let mixed = pairs.enumerate().filter(|(_, (seen, own))| seen != own);
+        mixed.map(|(i, _)| i).collect()
+    };
     let about = |x: usize, y: usize| {
         let rows = y.saturating_sub(1)..=y + 1;
         rows.flat_map(move |y| (x - 1..=x + 1).map(move |x| at(x, y)))
     };
-    assert_eq!(mixed, about(20, 0).chain(about(5, 5)).collect::<Vec<_>>());
+    assert_eq!(mixed(2), about(20, 0).chain(about(5, 5)).collect::<Vec<_>>());
+    // Of one sample: what has one neighbour of another number is no outline's, that one by itself is.
+    assert_eq!(mixed(1), about(20, 0).chain([at(5, 5)]).collect::<Vec<_>>());
 }
 
 #[test]

@@ -12,6 +12,9 @@
 //! whose least is 0.42 of that for one sample (a = 0.17), and at smaller *a* for more. One sample in the middle of each
 //! pixel is off by 1/12, the mean of 3 × 3 by ⅔ (a³ + (½ − a)³) + a²: least at the same *a* as for two samples anywhere.
 //!
+//! Of one sample a pixel it is known which thing it met, and how many of its neighbours met the same: of straight outlines
+//! anywhere, at any angle, the mean share that is others' where as many sides and corners are ([`UNITS`]) leaves 0.25.
+//!
 //! Lights count by 1/(1 + luminance), so that what is shown is even, not what is added up (Karis, "High-Quality Temporal
 //! Supersampling", 2014): else a lamp shines through its own outline.
 
@@ -82,6 +85,17 @@ impl Seen {
 /// Of 256, for 1, 2, 4, ... samples: what a neighbour at the side counts, a (1 − 2a), and one at the corner, a²; a is 0.17,
 /// 0.125, 0.085, 0.054, 0.03, 0.016.
 const SHARES: [[u32; 2]; 6] = [[29, 7], [24, 4], [18, 2], [12, 1], [7, 0], [4, 0]];
+
+/// Of 256, for one sample: what a corner counts that is another thing's, half of what such a side counts, by how many sides
+/// and then corners are. Means of four million straight outlines; where all corners are and none of these was seen, as of
+/// [`SHARES`] together, and of what fewer than ten in a million were, as one beside it.
+const UNITS: [[u8; 5]; 5] = [
+    [0, 0, 0, 0, 7],
+    [0, 1, 7, 16, 10],
+    [0, 6, 15, 24, 11],
+    [21, 21, 21, 24, 12],
+    [24, 24, 24, 22, 12],
+];
 
 /// 64/(1 + luminance), 1 at least, by [`luma_code`].
 static TONE: [u8; 256] = {
@@ -201,8 +215,13 @@ impl Row<'_> {
         for row in near {
             row.iter().for_each(|seen| mean.see(seen.light));
         }
-        let own = 256 - 4 * (side + corner);
-        let shares = [[corner, side, corner], [side, own, side], [corner, side, corner]];
+        let is_other = |seen: &&Seen| (seen.of ^ own.of) >> 16 != 0;
+        let shares = if own.samples() == 1 && near.iter().flatten().any(is_other) {
+            counted(near)
+        } else {
+            let own = 256 - 4 * (side + corner);
+            [[corner, side, corner], [side, own, side], [corner, side, corner]]
+        };
         for (row, shares) in near.iter().zip(shares) {
             for (seen, share) in row.iter().zip(shares) {
                 // raw: 256 · 64 in all.
@@ -211,6 +230,20 @@ impl Row<'_> {
         }
         mean.light()
     }
+}
+
+/// What each of these counts where each is of one sample: [`UNITS`]. Others of the middle one's thing count for nothing.
+fn counted(near: &[[&Seen; 3]; 3]) -> [[u32; 3]; 3] {
+    let own = near[1][1];
+    let mut shares = near.map(|row| row.map(|seen| u32::from((seen.of ^ own.of) >> 16 != 0)));
+    let [[a, b, c], [d, _, e], [f, g, h]] = shares;
+    let (sides, corners) = (b + d + e + g, a + c + f + h);
+    let unit = u32::from(UNITS[sides as usize % 5][corners as usize % 5]);
+    for (share, tap) in shares.iter_mut().flatten().zip([1, 2, 1, 2, 1, 2, 1, 2, 1]) {
+        *share *= unit * tap;
+    }
+    shares[1][1] = 256 - unit * (2 * sides + corners);
+    shares
 }
 
 /// Goes down a picture of this size: each of `rows`, and one more above and below, is asked of `make` once, and those
