@@ -139,7 +139,7 @@ impl Network<'_> {
         if out.len() != needed {
             return Err(NetworkError::Out { needed });
         }
-        self.filter_in_place(pair, light, |_| false);
+        self.filter_in_place(pair, light, |_| 0, |_| false);
         let fine = &*self.scratch.fine;
         halves(pair, out, width, |first, rows| {
             for (place, out) in fine[first * width..].iter().zip(rows) {
@@ -149,11 +149,13 @@ impl Network<'_> {
         Ok(())
     }
 
-    /// The same, the finest light in its heads' place: see [`kept`]. Pixels of which `keeps` is true have their own light.
+    /// The same, the finest light in its heads' place: see [`kept`]. `thing` answers with the number of what a pixel sees;
+    /// pixels of which `keeps` is true have their own light.
     pub(super) fn filter_in_place(
         &mut self,
         pair: &impl Pair,
         light: impl Fn(usize) -> Light + Sync,
+        thing: impl Fn(usize) -> u16 + Sync,
         keeps: impl Fn(usize) -> bool + Sync,
     ) {
         let shape = self.shape;
@@ -208,6 +210,7 @@ impl Network<'_> {
             at_half.with(done_half),
             rings,
             &light,
+            &thing,
             &keeps,
         );
     }
@@ -264,6 +267,7 @@ fn finish(
     coarse: Coarse,
     rings: &mut [u8],
     light: &(impl Fn(usize) -> Light + Sync),
+    thing: &(impl Fn(usize) -> u16 + Sync),
     keeps: &(impl Fn(usize) -> bool + Sync),
 ) {
     let band = |first: usize, rows: &mut [Head], ring: Ring| {
@@ -294,12 +298,20 @@ fn finish(
                 }),
                 heads: core::array::from_fn(|i| (y + i).checked_sub(1).map_or(&[][..], heads)),
             };
+            // What is beside the picture counts for nothing, whatever its number is.
+            let lines = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| y * width);
+            let column = |x: usize| lines.map(|line| thing(line + x.min(width - 1)));
+            let mut things = [column(0), column(0), column(1)];
             for (x, out) in done.iter_mut().enumerate() {
+                let own = things[1][1];
                 *out = if keeps(y * width + x) {
                     near.light[1][x]
-                } else {
+                } else if things.as_flattened().iter().all(|thing| *thing == own) {
                     near.filtered(x, y, Some(&coarse))
+                } else {
+                    near.filtered_at_outline(x, y, &coarse, &things)
                 };
+                things = [things[1], things[2], column(x + 2)];
             }
             core::mem::swap(&mut done, &mut before);
             // Now `done` is the row before, which nobody asks for any more.
@@ -413,36 +425,34 @@ impl<const ROWS: usize> Near<'_, ROWS> {
     #[inline(always)]
     fn filtered(&self, x: usize, y: usize, coarse: Option<&Coarse>) -> Light {
         let head = &self.heads[ROWS / 2][x];
-        let mut out = self.mean(x, head);
-        if let Some(coarse) = coarse {
-            let raised = coarse.raise(head, x, y);
-            // 0 ..= 256, both ends whole.
-            let blend = head[FEATURES + 1];
-            let blend = i32::from(blend) + i32::from(blend >> 7);
-            for (out, up) in out.iter_mut().zip(raised) {
-                let (own, up) = (i32::from(*out), i32::from(up));
-                *out = (up + (((own - up) * blend + 128) >> 8)) as u16;
-            }
+        let own = self.mean(x, head);
+        match coarse {
+            Some(coarse) => blended(own, coarse.raise(head, x, y), blend(head)),
+            None => own,
         }
-        out
     }
 
     /// The mean of `ROWS`² pixels by affinity and confidence; those beyond the edge count for nothing.
     #[inline(always)]
     fn mean(&self, x: usize, head: &Head) -> Light {
         // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
+        let [weight, sum @ ..] = gather(head, self.runs(x));
+        let centre = self.light[ROWS / 2][x];
+        Mean { centre, weight, sum }.value()
+    }
+
+    /// Heads and light of each row about a pixel, as far as there are any.
+    #[inline(always)]
+    fn runs(&self, x: usize) -> [(&[Head], &[Light]); ROWS] {
         let width = self.light[ROWS / 2].len();
         let columns = x.saturating_sub(ROWS / 2)..(x + ROWS / 2 + 1).min(width);
-        let runs = core::array::from_fn::<_, ROWS, _>(|i| {
+        core::array::from_fn(|i| {
             let (heads, light) = (
                 self.heads[i].get(columns.clone()),
                 self.light[i].get(columns.clone()),
             );
             (heads.unwrap_or(&[]), light.unwrap_or(&[]))
-        });
-        let [weight, sum @ ..] = gather(head, runs);
-        let centre = self.light[ROWS / 2][x];
-        Mean { centre, weight, sum }.value()
+        })
     }
 }
 
@@ -465,6 +475,44 @@ fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [
 #[inline(always)]
 fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [u32; 4] {
     microlux_asm::gather(own, runs, &EXP)
+}
+
+impl Near<'_, 3> {
+    /// [`Self::filtered`] where not all of the 3 × 3 are of one thing, by column: another thing's light counts a quarter, and the
+    /// coarser size's, which knows no things, half.
+    #[inline(never)]
+    fn filtered_at_outline(&self, x: usize, y: usize, coarse: &Coarse, things: &[[u16; 3]; 3]) -> Light {
+        let head = &self.heads[1][x];
+        let own = Spread::of(head);
+        let mut mean = Mean::new(self.light[1][x], 0);
+        // There is no column before the first.
+        let first = usize::from(x == 0);
+        for (row, (heads, lights)) in self.runs(x).into_iter().enumerate() {
+            for (column, (other, light)) in (first..).zip(heads.iter().zip(lights)) {
+                let weight = (affinity(own, other) * confidence(other)) >> 6;
+                let is_other = things[column][row] != things[1][1];
+                mean.add(*light, if is_other { weight >> 2 } else { weight });
+            }
+        }
+        blended(mean.value(), coarse.raise(head, x, y), (blend(head) + 256) >> 1)
+    }
+}
+
+/// What the mean of its own size counts, 0 ..= 256, both ends whole.
+#[inline(always)]
+fn blend(head: &Head) -> i32 {
+    let blend = head[FEATURES + 1];
+    i32::from(blend) + i32::from(blend >> 7)
+}
+
+/// `raised + (own − raised) · blend / 256`.
+#[inline(always)]
+fn blended(mut own: Light, raised: Light, blend: i32) -> Light {
+    for (out, up) in own.iter_mut().zip(raised) {
+        let (own, up) = (i32::from(*out), i32::from(up));
+        *out = (up + (((own - up) * blend + 128) >> 8)) as u16;
+    }
+    own
 }
 
 /// A finished coarser size.

@@ -82,13 +82,9 @@ impl<'a> Neural<'a> {
             samples.saturating_mul(lengths.get(at).map_or(1, |&length| length.into()))
         });
         let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
-        // It is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
-        let keeps = |at: usize| {
-            frame
-                .get(at)
-                .is_some_and(|pixel| pixel.depth == DEPTH_NOTHING && pixel.id == ID_NOTHING)
-        };
-        network.filter_in_place(pair, light, keeps);
+        let keeps = |at: usize| frame.get(at).is_some_and(keeps);
+        let thing = |at: usize| frame.get(at).map_or(ID_NOTHING, |pixel| pixel.id);
+        network.filter_in_place(pair, light, thing, keeps);
         let fine = &*fine;
         halves(pair, out, width, |first, rows| {
             for (place, out) in fine[first * width..].iter().zip(rows) {
@@ -97,6 +93,11 @@ impl<'a> Neural<'a> {
         });
         Ok(())
     }
+}
+
+/// Whether it is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
+fn keeps(pixel: &Feature) -> bool {
+    pixel.depth == DEPTH_NOTHING && pixel.id == ID_NOTHING
 }
 
 impl Filter for Neural<'_> {
