@@ -11,6 +11,9 @@
 //! out[l] = raised + blend · (filtered[l] − raised)
 //! ```
 //!
+//! At an outline the finest size's mean has a quarter of another thing's light, and half of the blend; light of one sample is
+//! smoothed once more, within one thing (`last`).
+//!
 //! After Işık et al., "Interactive Monte Carlo Denoising using Affinity of Neural Features", 2021 (pairwise affinity), and
 //! Thomas et al., "Temporally Stable Real-Time Joint Neural Denoising and Supersampling", 2022 (an extractor of low
 //! precision, shared by the filters of several sizes).
@@ -22,6 +25,7 @@
 mod extract;
 mod filter;
 mod input;
+mod last;
 mod layer;
 mod neural;
 #[cfg(not(layers))]

@@ -1,4 +1,5 @@
 use super::filter::kept;
+use super::last;
 use super::{Needs, Network, NetworkError, Scratch, Shape, Weights, halves, irradiance};
 use crate::color::Rgb9e5;
 use crate::film::Feature;
@@ -93,6 +94,40 @@ impl<'a> Neural<'a> {
         });
         Ok(())
     }
+
+    /// Smooths the `light` that is of one frame alone; `rest` is not needed any more.
+    fn smooth(
+        &self,
+        pair: &impl Pair,
+        frame: &[Feature],
+        lengths: &[u8],
+        light: &mut [Rgb9e5],
+        rest: &mut [u8],
+    ) {
+        let width = self.size.width.into();
+        // Four bytes each, and as well aligned as light: the cast cannot fail.
+        let made = <[Rgb9e5]>::mut_from_bytes(rest).unwrap_or(&mut []);
+        let Some(made) = made.get_mut(..light.len()) else {
+            return;
+        };
+        let is_one = |at: usize| lengths.get(at) == Some(&1) && frame.get(at).is_some_and(|pixel| !keeps(pixel));
+        let before = &*light;
+        halves(pair, made, width, |first, rows| {
+            for (at, made) in (first * width..).zip(rows) {
+                if is_one(at) {
+                    *made = last::smooth(frame, before, width, at);
+                }
+            }
+        });
+        let made = &*made;
+        halves(pair, light, width, |first, rows| {
+            for (at, (light, made)) in (first * width..).zip(rows.iter_mut().zip(&made[first * width..])) {
+                if is_one(at) {
+                    *light = *made;
+                }
+            }
+        });
+    }
 }
 
 /// Whether it is what the sky says, without noise; not so by way of a mirror or glass, which has another number.
@@ -113,6 +148,8 @@ impl Filter for Neural<'_> {
         let denoise::Scratch { light, rest } = scratch;
         if self.run(pair, frame, lengths, light, rest).is_err() {
             light.fill(Rgb9e5::BLACK);
+        } else if self.samples == 1 {
+            self.smooth(pair, frame, lengths, light, rest);
         }
     }
 }
