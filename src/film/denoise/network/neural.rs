@@ -110,7 +110,8 @@ impl<'a> Neural<'a> {
         let Some(made) = made.get_mut(..light.len()) else {
             return;
         };
-        let is_one = |at: usize| lengths.get(at) == Some(&1) && frame.get(at).is_some_and(|pixel| !keeps(pixel));
+        let is_one =
+            |at: usize| lengths.get(at) == Some(&1) && frame.get(at).is_some_and(|pixel| !keeps(pixel));
         let before = &*light;
         halves(pair, made, width, |first, rows| {
             for (at, made) in (first * width..).zip(rows) {
