@@ -210,8 +210,7 @@ impl Network<'_> {
             at_half.with(done_half),
             rings,
             &light,
-            &thing,
-            &keeps,
+            (&thing, &keeps),
         );
     }
 }
@@ -267,8 +266,7 @@ fn finish(
     coarse: Coarse,
     rings: &mut [u8],
     light: &(impl Fn(usize) -> Light + Sync),
-    thing: &(impl Fn(usize) -> u16 + Sync),
-    keeps: &(impl Fn(usize) -> bool + Sync),
+    (thing, keeps): (&(impl Fn(usize) -> u16 + Sync), &(impl Fn(usize) -> bool + Sync)),
 ) {
     let band = |first: usize, rows: &mut [Head], ring: Ring| {
         let Ring {
