@@ -3,7 +3,7 @@
 use microlux::{
     color::{Radiance, Rgb9e5},
     film::Feature,
-    film::denoise::network::{HEAD, Needs, Network, Scratch, TRAINED, irradiance},
+    film::denoise::network::{HEAD, Needs, Network, Neural, Scratch, TRAINED},
     film::denoise::{self, Alone, Atrous, Band, Clean, Filter, Past, Seen, Shown, Size, accumulate},
     integrator::Path,
     num::Crc,
@@ -22,7 +22,7 @@ pub const SIZE: Size = Size {
 const PIXELS: usize = SIZE.pixels();
 const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
 
-/// Stages by the number of their region.
+/// Stages by the number of their region, but for [`FILTER`].
 pub const STAGES: [&str; 10] = [
     "firefly clamp, history",
     "à-trous, for 1 sample",
@@ -36,6 +36,9 @@ pub const STAGES: [&str; 10] = [
     "its own size, outlines and TAA",
 ];
 
+/// Of [`STAGES`], what the whole network's region has beside the extraction's, which is the other number.
+pub const FILTER: (u32, u32) = (4, 3);
+
 /// Memory for the second of two frames, and for what becomes of it.
 struct Room {
     frames: [[Feature; PIXELS]; 2],
@@ -44,7 +47,7 @@ struct Room {
     fine: [[u8; HEAD]; NEEDS.fine],
     near: [u32; NEEDS.near],
     far: [u32; NEEDS.far],
-    clean: [Rgb9e5; PIXELS],
+    neural: [u32; Neural::needs(SIZE)],
     guides: [Feature; 4 * PIXELS],
     shown: [Radiance; 4 * PIXELS],
     pictures: [[Rgb9e5; PIXELS]; 2],
@@ -62,7 +65,7 @@ pub fn run(scene: Builtin) -> u32 {
         fine: [[0; HEAD]; NEEDS.fine],
         near: [0; NEEDS.near],
         far: [0; NEEDS.far],
-        clean: [Rgb9e5::BLACK; PIXELS],
+        neural: [0; Neural::needs(SIZE)],
         guides: [Feature::default(); 4 * PIXELS],
         shown: [Radiance::BLACK; 4 * PIXELS],
         pictures: [[Rgb9e5::BLACK; PIXELS]; 2],
@@ -151,7 +154,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         fine,
         near,
         far,
-        clean: cleaned,
+        neural,
         guides,
         shown,
         pictures: [last, picture],
@@ -186,7 +189,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         });
     });
     // As if it had been what was shown before: the camera moved all the same.
-    let before = Shown {
+    let shown_before = Shown {
         size: SIZE,
         lights: &last[..],
         motion,
@@ -194,7 +197,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
     region::count(9, || {
         let mut rest = picture.iter_mut();
         clean.rows(0..SIZE.height, ring, |y, row| {
-            for (shown, light) in rest.by_ref().zip(row.steadied(y, &before)) {
+            for (shown, light) in rest.by_ref().zip(row.steadied(y, &shown_before)) {
                 *shown = light;
             }
         });
@@ -220,17 +223,19 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
     let Ok(mut network) = Network::new(TRAINED, width, height, scratch) else {
         return 0;
     };
-    region::count(3, || {
+    region::count(FILTER.1, || {
         network.extract_frame(&Alone, now, |at| lengths[at].into());
     });
-    let done = region::count(4, || {
-        let encoded = |light: [u16; 3]| Rgb9e5::from_bits(light.map(u32::from), -12);
-        network.filter(&Alone, |at| irradiance(&now[at]), cleaned, encoded)
+    let Ok(mut neural) = Neural::new(TRAINED, SIZE, 1, neural) else {
+        return 0;
+    };
+    region::count(FILTER.0, || {
+        neural.filter(&Alone, SIZE, now, lengths, denoise::Scratch::over(before));
     });
-    for light in cleaned {
+    for light in denoise::Scratch::over(before).light.iter() {
         crc.word(light.0);
     }
-    done.map_or(0, |()| crc.value())
+    crc.value()
 }
 
 fn place(number: usize, width: u16) -> (u16, u16) {

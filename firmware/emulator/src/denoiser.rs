@@ -3,7 +3,7 @@
 use std::{fs, path::Path};
 
 use anyhow::{Context, Result, ensure};
-use firmware_common::cost::{self, STAGES};
+use firmware_common::cost::{self, FILTER, STAGES};
 use microlux::scene::builtin::Builtin;
 use serde_json::{Value, json};
 use xtask::board::Board;
@@ -79,12 +79,23 @@ fn row(core: &Core, plugin: &Path, expected: u32) -> Result<Value> {
         core.name
     );
     let has_cycles = core.target.starts_with("thumbv6m");
+    let spent = |id: u32| {
+        let spent = counts
+            .regions
+            .get(&id)
+            .with_context(|| format!("no region {id}"))?;
+        anyhow::Ok([spent.instructions, spent.cycles])
+    };
     let stages = (0..).zip(STAGES).map(|(id, stage)| {
-        let spent = counts.regions.get(&id).with_context(|| format!("no {stage}"))?;
+        let mut own = spent(id)?;
+        if id == FILTER.0 {
+            let part = spent(FILTER.1)?;
+            own = [own[0] - part[0], own[1] - part[1]];
+        }
         Ok(json!({
             "stage": stage,
-            "instructions": spent.instructions,
-            "m0plus_cycles": has_cycles.then_some(spent.cycles),
+            "instructions": own[0],
+            "m0plus_cycles": has_cycles.then_some(own[1]),
         }))
     });
     Ok(json!({
