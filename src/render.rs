@@ -62,7 +62,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
         };
         let mut sum = [0u64; 3];
         let spp = self.settings.spp.clamp(1, 1 << 16);
-        let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
+        let ahead = self.blocks.ahead(self.scene, &self.film, x, y, true);
         for index in 0..spp {
             self.sampler.start(x, y, index);
             let place = self.sampler.next_2d();
@@ -93,7 +93,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
         let view = View {
             scene: self.scene,
             film: &self.film,
-            ahead: self.blocks.ahead(self.scene, &self.film, x, y),
+            ahead: self.blocks.ahead(self.scene, &self.film, x, y, true),
         };
         for index in 0..self.settings.spp.clamp(1, 1 << 16) {
             self.sampler.start(x, y, index);
@@ -117,7 +117,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
             )
         };
         let mut sum = feature::Sum::default();
-        let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
+        let ahead = self.blocks.ahead(self.scene, &self.film, x, y, true);
         for index in 0..self.settings.spp.clamp(1, 1 << 16) {
             self.sampler.start(x, y, index);
             let place = self.sampler.next_2d();
@@ -145,7 +145,7 @@ impl<'s, S: Sampler, I: Integrator> Renderer<'s, S, I> {
         let middle = [Uniform::from_bits(1 << 31); 2];
         let mut sum = feature::Sum::default();
         if let Some(ray) = self.film.ray(x, y, middle, middle) {
-            let ahead = self.blocks.ahead(self.scene, &self.film, x, y);
+            let ahead = self.blocks.ahead(self.scene, &self.film, x, y, false);
             let first = first(self.scene, ahead.seen, ray, &mut 0);
             sum.add(&sample(Radiance::BLACK, &first));
         }
@@ -236,25 +236,28 @@ impl Blocks {
         }
     }
 
+    /// `is_lit` where light samples are taken; what is ahead of a block is told as it is asked for first.
     #[inline]
-    fn ahead(&mut self, scene: &Scene, film: &FilmPlane, x: u16, y: u16) -> Ahead {
+    fn ahead(&mut self, scene: &Scene, film: &FilmPlane, x: u16, y: u16, is_lit: bool) -> Ahead {
         let (column, row) = (x >> self.bits, y >> self.bits);
         if self.row == row
             && let Some(Some(ahead)) = self.ahead.get(column as usize)
         {
             return *ahead;
         }
-        self.look(scene, film, column, row)
+        self.look(scene, film, [column, row], is_lit)
     }
 
     #[cold]
     #[inline(never)]
-    fn look(&mut self, scene: &Scene, film: &FilmPlane, column: u16, row: u16) -> Ahead {
+    fn look(&mut self, scene: &Scene, film: &FilmPlane, [column, row]: [u16; 2], is_lit: bool) -> Ahead {
         if self.row != row {
             (self.row, self.ahead) = (row, [None; 16]);
         }
-        let beam = film.beam(column << self.bits, row << self.bits, 1 << self.bits);
-        let ahead = beam.map_or(Ahead::ANY, |beam| scene.ahead(&beam));
+        let ahead = match &film.beam(column << self.bits, row << self.bits, 1 << self.bits) {
+            Some(beam) => scene.ahead(beam, is_lit),
+            None => Ahead::ANY,
+        };
         if let Some(known) = self.ahead.get_mut(column as usize) {
             *known = Some(ahead);
         }

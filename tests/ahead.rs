@@ -37,7 +37,7 @@ impl Tally {
             let [x, y] = [width, height].map(|size| random.below(size as usize) as u16 / side * side);
             let ahead = film
                 .beam(x, y, side)
-                .map_or(Ahead::ANY, |beam| scene.ahead(&beam));
+                .map_or(Ahead::ANY, |beam| scene.ahead(&beam, true));
             for _ in 0..10 {
                 let [px, py] = [(x, width), (y, height)]
                     .map(|(c, size)| (c + random.below(side as usize) as u16).min(size - 1));

@@ -94,15 +94,12 @@ struct Extent {
 /// A finite shape that a beam may meet.
 struct Patch {
     /// The shape's index.
-    shape: usize,
-    /// How far away it begins, along the view.
-    near: i32,
+    shape: u16,
+    /// How far away it begins, along the view, steps of 16.
+    near: u16,
     /// About what the beam meets of it.
     extent: Extent,
 }
-
-/// The boxes of the finite shapes, as far as sets can name them.
-type Extents = heapless::Vec<Extent, { (1 << NAME) - 1 }>;
 
 impl Scene<'_> {
     /// What is ahead of the rays of a beam.
@@ -110,21 +107,23 @@ impl Scene<'_> {
     /// A box is not met where all of it is outside one of the beam's sides, so that each is asked: of the
     /// [`SCENE_PAD`] steps that boxes have to spare the place of the beam's origin takes 4. What is met of a box lies in
     /// the box about a part of the beam, and what shades it in the one about that and all lights (after Haines and Wallace,
-    /// "Shaft Culling for Efficient Ray-Traced Radiosity", 1991), on neither side of both if it is flat.
+    /// "Shaft Culling for Efficient Ray-Traced Radiosity", 1991), on neither side of both if it is flat. That is told if
+    /// `is_lit`, where light samples are taken.
     #[inline(never)]
-    pub fn ahead(&self, beam: &Beam) -> Ahead {
+    pub fn ahead(&self, beam: &Beam, is_lit: bool) -> Ahead {
         let from = self.steps(beam.origin);
         if !is_near(from) {
             return Ahead::ANY;
         }
-        let Some(extents) = self.extents(from) else {
-            return Ahead::ANY;
-        };
         let mut patches = heapless::Vec::new();
-        let Some(seen) = self.seen(beam, &extents, &mut patches) else {
+        let Some(seen) = self.seen(beam, from, &mut patches) else {
             return Ahead::ANY;
         };
-        let shading = self.shading(from, &extents, &patches);
+        let shading = if is_lit {
+            self.shading(from, &patches)
+        } else {
+            None
+        };
         Ahead {
             seen,
             shading: shading.unwrap_or(ShapeSet::ALL),
@@ -132,32 +131,41 @@ impl Scene<'_> {
     }
 
     /// The nearest first, by where it begins.
+    #[inline(never)]
     fn seen(
         &self,
         beam: &Beam,
-        extents: &[Extent],
+        from: [i32; 3],
         patches: &mut heapless::Vec<Patch, MOST>,
     ) -> Option<ShapeSet> {
-        for (shape, extent) in extents.iter().enumerate() {
+        let (finite, all) = (self.parts.bounded as usize, self.parts.shapes.len());
+        if all >= 1 << NAME {
+            return None;
+        }
+        for shape in 0..finite {
+            let extent = self.extent(shape, from)?;
             if beam.sides.iter().all(|side| extent.along(*side)[1] >= 0) {
                 let (near, extent) = extent.within(beam);
+                // Of 2^17 at most.
+                let near = (near >> 2) as u16;
                 let nearer = patches.iter().position(|patch| patch.near < near);
                 let place = nearer.unwrap_or(patches.len());
+                let shape = shape as u16;
                 patches.insert(place, Patch { shape, near, extent }).ok()?;
             }
         }
         let mut set = ShapeSet::NONE;
-        let planes = extents.len()..self.parts.shapes.len();
-        for index in planes.chain(patches.iter().map(|patch| patch.shape)) {
+        for index in (finite..all).chain(patches.iter().map(|patch| usize::from(patch.shape))) {
             set = set.with(index, &self.parts.shapes.get(index)?.geometry)?;
         }
         Some(set)
     }
 
-    fn shading(&self, from: [i32; 3], extents: &[Extent], patches: &[Patch]) -> Option<ShapeSet> {
+    #[inline(never)]
+    fn shading(&self, from: [i32; 3], patches: &[Patch]) -> Option<ShapeSet> {
         let shapes = self.parts.shapes;
         // What a plane shows is not bounded, nor the way to what is infinitely far.
-        if shapes.len() > extents.len() || self.environment.is_sampled() {
+        if shapes.len() > self.parts.bounded as usize || self.environment.is_sampled() {
             return None;
         }
         let mut lights = Extent::EMPTY;
@@ -167,19 +175,20 @@ impl Scene<'_> {
                     lights = lights.union(&self.place(position, from));
                 }
                 Light::Point { .. } | Light::Directional { .. } => return None,
-                Light::Area { shape, .. } => lights = lights.union(extents.get(shape as usize)?),
+                Light::Area { shape, .. } => lights = lights.union(&self.extent(shape as usize, from)?),
                 Light::Environment { .. } => {}
             }
         }
         let mut set = ShapeSet::NONE;
-        for (index, (shape, extent)) in shapes.iter().zip(extents).enumerate() {
+        for (index, shape) in shapes.iter().enumerate() {
+            let extent = &self.extent(index, from)?;
             let may_shade = |patch: &Patch| {
                 patch.extent.union(&lights).meets(extent)
                     && !patch.extent.is_beside(&lights, extent)
                     && match shape.geometry {
                         Geometry::Rectangle(Rectangle { center, normal, .. })
                         | Geometry::Disk(Disk { center, normal, .. }) => {
-                            patch.shape != index
+                            usize::from(patch.shape) != index
                                 && !self.is_aside(center, normal, from, [&patch.extent, &lights])
                         }
                         _ => true,
@@ -200,28 +209,30 @@ impl Scene<'_> {
         grid.origin().to(point).0.map(|c| c >> (grid.shift() + 2))
     }
 
-    /// The boxes of the finite shapes; `None` for more than sets can name, and where one is no shape's and no leaf's.
-    fn extents(&self, from: [i32; 3]) -> Option<Extents> {
-        let mut extents = Extents::new();
-        let finite = self.parts.shapes.get(..self.parts.bounded as usize)?;
-        for (index, shape) in (0..).zip(finite) {
-            let bounds = match shape.geometry {
-                Geometry::Mesh(_) | Geometry::Instance(_) => self.leaf(index)?,
-                _ => shape_bounds(shape, &[], self.parts.blobs, &self.parts.grid).pad(SCENE_PAD),
-            };
-            extents.push(Extent::of(&bounds, from)).ok()?;
-        }
-        Some(extents)
+    /// The box of a finite shape; `None` where it is no shape's and no leaf's.
+    fn extent(&self, index: usize, from: [i32; 3]) -> Option<Extent> {
+        let shape = self.parts.shapes.get(index)?;
+        let bounds = match shape.geometry {
+            Geometry::Mesh(_) | Geometry::Instance(_) => self.leaf(index as u32)?,
+            _ => shape_bounds(shape, &[], self.parts.blobs, &self.parts.grid).pad(SCENE_PAD),
+        };
+        Some(Extent::of(&bounds, from))
     }
 
     /// The box of the leaf in which a shape is: of a mesh's own it would take all its vertices to tell.
+    #[cold]
+    #[inline(never)]
     fn leaf(&self, index: u32) -> Option<Bounds> {
-        let mut children = self.parts.nodes.iter().flat_map(|node| node.children());
-        let holds =
-            |child| matches!(child, Child::Leaf(base, leaf) if primitives(base, leaf).contains(&index));
-        children
-            .find(|(_, child)| holds(*child))
-            .map(|(bounds, _)| bounds)
+        for node in self.parts.nodes {
+            for (slot, meta) in node.meta.into_iter().enumerate() {
+                if let Child::Leaf(base, leaf) = node.child(meta)
+                    && primitives(base, leaf).contains(&index)
+                {
+                    return Some(node.bounds(slot));
+                }
+            }
+        }
+        None
     }
 
     /// Whether two boxes lie on one side of a plane.

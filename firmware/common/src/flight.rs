@@ -43,7 +43,7 @@ pub const HEIGHT: usize = 2 * SIZE.height as usize;
 /// Rows that a worker shows at a time; it makes one more above and below.
 const BAND: usize = 30;
 /// Pixels that become colours at a time: a row's light would take stack.
-const PIECE: usize = 16;
+const PIECE: usize = 8;
 
 /// Samples a pixel.
 pub const SPP: u32 = 1;
