@@ -179,6 +179,10 @@ impl Scene<'_> {
                 Light::Environment { .. } => {}
             }
         }
+        // Nothing to be shaded from: light comes from all around, unasked.
+        if self.light_count == 0 {
+            return None;
+        }
         let mut set = ShapeSet::NONE;
         for (index, shape) in shapes.iter().enumerate() {
             let extent = &self.extent(index, from)?;
@@ -336,16 +340,16 @@ impl Extent {
                 (self.low[a], self.high[a], least, most)
             };
             if least > 0 {
-                near = near.max((low << 12) / most);
-                far = far.min((high << 12) / least + 1);
+                near = near.max((low << 12) / most).min(1 << 17);
+                far = far.min((high << 12) / least + 1).max(0);
             }
         }
         let mut part = *self;
         for (a, [least, most]) in beam.across.into_iter().enumerate() {
             let low = (near * least).min(far * least) >> 12;
             let high = ((near * most).max(far * most) >> 12) + 1;
-            part.low[a] = part.low[a].max(low);
-            part.high[a] = part.high[a].min(high);
+            part.low[a] = low.clamp(self.low[a], self.high[a]);
+            part.high[a] = high.clamp(self.low[a], self.high[a]);
         }
         (near, part)
     }

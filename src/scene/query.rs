@@ -31,14 +31,7 @@ impl Scene<'_> {
             return self.closest_of_few(ray);
         }
         let slopes = Slopes::new(ray.dir);
-        let mut nearest = Nearest {
-            scene: self,
-            ray,
-            slopes: &slopes,
-            t_max: FAR + 1,
-            hit: None,
-            limit: i32::MAX,
-        };
+        let mut nearest = Nearest::none(self, ray, &slopes);
         for index in self.bounded()..self.parts.shapes.len() {
             nearest.test(index);
         }
@@ -62,14 +55,7 @@ impl Scene<'_> {
     fn closest_named(&self, ray: &Ray, among: ShapeSet) -> Option<Hit> {
         if among.has_mesh() {
             let slopes = Slopes::new(ray.dir);
-            let mut nearest = Nearest {
-                scene: self,
-                ray,
-                slopes: &slopes,
-                t_max: FAR + 1,
-                hit: None,
-                limit: i32::MAX,
-            };
+            let mut nearest = Nearest::none(self, ray, &slopes);
             for index in among.named() {
                 nearest.test(index);
             }
@@ -91,14 +77,7 @@ impl Scene<'_> {
     /// The same answer from all shapes and triangles in turn.
     pub fn closest_linear(&self, ray: &Ray) -> Option<Hit> {
         let slopes = Slopes::new(ray.dir);
-        let mut nearest = Nearest {
-            scene: self,
-            ray,
-            slopes: &slopes,
-            t_max: FAR + 1,
-            hit: None,
-            limit: i32::MAX,
-        };
+        let mut nearest = Nearest::none(self, ray, &slopes);
         for index in 0..self.parts.shapes.len() {
             nearest.accept(
                 index,
@@ -410,7 +389,19 @@ struct Nearest<'a> {
     limit: i32,
 }
 
-impl Nearest<'_> {
+impl<'a> Nearest<'a> {
+    #[inline(always)]
+    fn none(scene: &'a Scene<'a>, ray: &'a Ray, slopes: &'a Slopes) -> Nearest<'a> {
+        Nearest {
+            scene,
+            ray,
+            slopes,
+            t_max: FAR + 1,
+            hit: None,
+            limit: i32::MAX,
+        }
+    }
+
     #[inline]
     fn test(&mut self, index: usize) -> bool {
         // One unit more, so that an equal distance is seen and decided by place.
