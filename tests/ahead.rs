@@ -3,14 +3,17 @@
 
 mod scenes;
 
+use microlux::bvh::Node;
 use microlux::camera::Camera;
-use microlux::color::Radiance;
+use microlux::color::{Radiance, albedo};
 use microlux::geom::{Dir, Frame, Point, REACH, Ray};
 use microlux::light::Light;
-use microlux::num::Uniform;
+use microlux::material::Material;
+use microlux::num::{Share, Uniform};
+use microlux::q;
 use microlux::scene::builtin::Builtin;
-use microlux::scene::{Ahead, Scene, ShapeSet};
-use microlux::shape::Geometry;
+use microlux::scene::{Ahead, Scene, SceneBuilder, ShapeSet};
+use microlux::shape::{Geometry, Sphere};
 use scenes::{Draft, Random};
 
 /// Of how many rays something was known ahead.
@@ -92,11 +95,32 @@ fn camera(random: &mut Random, scene: &Scene) -> Camera {
     } else {
         random.point(REACH)
     };
-    let target = inside(random);
-    let forward = origin.to(target).normalize().map_or(Dir::Z, |(dir, _)| dir);
-    let Frame { s, t, .. } = Frame::about(forward);
-    let frame = random.pick(&[[s, t, forward], [t, -s, forward]]);
-    let tan = random.pick(&[1 << 10, 1 << 17, 1 << 18, 1 << 19, 700_000, 1 << 20, 1 << 21]);
+    let along = [Dir::X, Dir::Y, Dir::Z];
+    let frame = if random.one_in(2) {
+        let target = inside(random);
+        let forward = origin.to(target).normalize().map_or(Dir::Z, |(dir, _)| dir);
+        let Frame { s, t, .. } = Frame::about(forward);
+        random.pick(&[[s, t, forward], [t, -s, forward]])
+    } else {
+        // Along an axis, turned about it: boxes that are beside a beam along another are outside none of its sides.
+        let k = random.below(3);
+        let forward = random.pick(&[along[k], -along[k]]);
+        let mut right = [(); 3].map(|()| random.within(1 << 16));
+        right[k] = 0;
+        let right = Dir::new(right).unwrap_or(along[(k + 1) % 3]);
+        let up = right.cross(forward).expect("at right angles");
+        [right, up, forward]
+    };
+    let tan = random.pick(&[
+        1 << 10,
+        1 << 13,
+        1 << 17,
+        1 << 18,
+        1 << 19,
+        700_000,
+        1 << 20,
+        1 << 21,
+    ]);
     Camera::from_frame(origin, frame, fixed::types::I12F20::from_bits(tan))
 }
 
@@ -159,6 +183,32 @@ fn of_random_scenes_nothing_is_missed() {
     }
     println!("{tally:?}");
     assert!(tally.named > tally.rays / 2 && tally.shaded.min(tally.free) > tally.hits / 20);
+}
+
+/// What comes from all around, unasked, has no place to be shaded from.
+#[test]
+fn light_from_all_around_is_no_light_to_look_from() {
+    let mut builder = SceneBuilder::<4, 1, 1>::new();
+    let grey = builder.material(Material::lambert(albedo(
+        q!(0.5, Share),
+        q!(0.5, Share),
+        q!(0.5, Share),
+    )));
+    let grey = grey.unwrap();
+    for x in [-3, 3] {
+        let ball = Sphere::new(Point([x << 16, 0, 0]), 1 << 16);
+        builder.shape(ball, grey).unwrap();
+    }
+    let radiance = Radiance::WHITE;
+    builder.light(Light::Environment { radiance }).unwrap();
+    let mut nodes = [Node::EMPTY; 4];
+    let scene = builder.build(&mut nodes).unwrap();
+    let tan = fixed::types::I12F20::from_bits(1 << 19);
+    let camera = Camera::from_frame(Point([0, 0, 5 << 16]), [Dir::X, Dir::Y, -Dir::Z], tan);
+    let beam = camera.film(16, 16).beam(0, 0, 16).unwrap();
+    let ahead = scene.ahead(&beam, true);
+    assert_ne!(ahead.seen, ShapeSet::ALL);
+    assert_eq!(ahead.shading, ShapeSet::ALL);
 }
 
 /// A lens starts rays anywhere on it, and what is far aside of the view is too far for a beam's bounds.
