@@ -89,7 +89,7 @@ fn by<const PAIRS: usize, const RUNS: usize>(
         step,
     });
     let range = runs.as_mut_ptr_range();
-    // SAFETY: `make` takes `PAIRS`; each run has its bytes for all pixels, `words` has `PAIRS` for each byte of a pixel, there are two biases a word,
-    // and room for as many activations of each pixel.
+    // SAFETY: `make` takes `PAIRS`; each run has its bytes for all pixels, `words` has `PAIRS` for each byte of a pixel, there
+    // are two biases a word, and room for as many activations of each pixel.
     unsafe { make(&mut task, range.start, range.end) }
 }

@@ -35,7 +35,7 @@ impl<const N: usize> Bdpt<N> {
         vertices: &mut Vec<PathVertex<'a>, N>,
     ) -> Wide {
         let scene = view.scene;
-        let (mut ray, mut ahead) = (ray, view.ahead.seen);
+        let (mut ray, mut among) = (ray, view.ahead.seen);
         let mut partial = Partial::from_camera(view.film.density(ray.dir), T::SPLATS);
         let mut throughput = Radiance::WHITE;
         let mut eta_squared = Wide::ONE;
@@ -55,11 +55,11 @@ impl<const N: usize> Bdpt<N> {
             } else {
                 Some(
                     scene
-                        .closest_among(&ray, ahead)
+                        .closest_among(&ray, among)
                         .map_or(Seen::Environment, Seen::Emitter),
                 )
             };
-            ahead = ShapeSet::ALL;
+            among = ShapeSet::ALL;
             let strategy = Strategy {
                 light: 0,
                 camera: depth + 1,
