@@ -94,6 +94,30 @@ const OUT: usize = offset_of!(Task, out);
 const GAP: usize = offset_of!(Task, gap);
 const PIXELS: usize = offset_of!(Task, pixels);
 
+/// A task for pixels one after the other: at `10` sums of 0, words from r3 on, and from r12 to lr what runs there are, at `20` the
+/// next of these; at `29` they are through.
+macro_rules! task {
+    ($($line:tt)*) => {
+        naked_asm!(
+            "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
+            "mov lr, r2",
+            "10:",
+            "ldrd r0, r12, [sp]; ldr r3, [r0, #{words}]",
+            "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
+            "20:",
+            "cmp r12, lr; beq 29f",
+            $($line)*
+            "add sp, #8",
+            "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
+            words = const WORDS,
+            biases = const BIASES,
+            out = const OUT,
+            gap = const GAP,
+            pixels = const PIXELS,
+        )
+    };
+}
+
 macro_rules! layer {
     ($name:ident, $pairs:tt, $($make:ident $word:literal)*) => {
         /// r0: task. r1, r2: the first run and behind the last; what is to be done is gone when it is done.
@@ -103,14 +127,7 @@ macro_rules! layer {
         /// All three point to what they say, and so does the task.
         #[unsafe(naked)]
         pub(crate) unsafe extern "C" fn $name(task: *mut Task, first: *mut Steps, end: *const Steps) {
-            naked_asm!(
-                "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
-                "mov lr, r2",
-                "10:",
-                "ldrd r0, r12, [sp]; ldr r3, [r0, #{words}]",
-                "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
-                "20:",
-                "cmp r12, lr; beq 29f",
+            task!(
                 "ldrd r1, r2, [r12]; ldr r0, [r12, #8]; add r0, r1; str r0, [r12], #12",
                 run!($pairs, "20b"),
                 "29:",
@@ -119,13 +136,6 @@ macro_rules! layer {
                 "ldr r2, [r12, #{gap}]; add r1, r2; str r1, [r12, #{out}]",
                 "ldr r2, [r12, #{pixels}]; subs r2, #1; str r2, [r12, #{pixels}]",
                 "bne 10b",
-                "add sp, #8",
-                "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
-                words = const WORDS,
-                biases = const BIASES,
-                out = const OUT,
-                gap = const GAP,
-                pixels = const PIXELS,
             )
         }
     };
@@ -150,14 +160,7 @@ macro_rules! both {
 /// All three point to what they say, and so does the task.
 #[unsafe(naked)]
 pub(crate) unsafe extern "C" fn layer_two(task: *mut Task, first: *mut Steps, end: *const Steps) {
-    naked_asm!(
-        "push {{r0, r1, r4, r5, r6, r7, r8, r9, r10, r11, lr}}",
-        "mov lr, r2",
-        "10:",
-        "ldrd r0, r12, [sp]; ldr r3, [r0, #{words}]",
-        "mov r8, #0; mov r9, #0; mov r10, #0; mov r11, #0",
-        "20:",
-        "cmp r12, lr; beq 29f",
+    task!(
         "ldr r0, [sp]; ldr r0, [r0, #{pixels}]; cmp r0, #1",
         "ldrd r1, r2, [r12]; ldr r0, [r12, #8]",
         "ite hi; addhi r7, r1, r0; movls r7, r1",
@@ -191,13 +194,6 @@ pub(crate) unsafe extern "C" fn layer_two(task: *mut Task, first: *mut Steps, en
         "str r1, [r12, #{out}]; str r6, [r12, #{pixels}]",
         "b 10b",
         "30:",
-        "add sp, #8",
-        "pop {{r4, r5, r6, r7, r8, r9, r10, r11, pc}}",
-        words = const WORDS,
-        biases = const BIASES,
-        out = const OUT,
-        gap = const GAP,
-        pixels = const PIXELS,
     )
 }
 
