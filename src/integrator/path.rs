@@ -133,6 +133,13 @@ impl Path {
                 });
             }
 
+            // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
+            let is_last = depth + 1 == self.max_depth;
+            if is_last && !scene.may_end_on_light(&vertex, direction) {
+                *rays += 1;
+                break;
+            }
+
             // Go on in a direction drawn from the BSDF.
             ahead = Ahead::ANY;
             let Some(drawn) = vertex.draw(direction, lobe) else {
@@ -142,8 +149,7 @@ impl Path {
                 origin: vertex.surface.leave(drawn.wi),
                 dir: drawn.wi,
             };
-            // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
-            if depth + 1 == self.max_depth {
+            if is_last {
                 *rays += 1;
                 end = scene.closest_light(&ray);
                 if end.is_none() {

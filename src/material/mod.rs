@@ -304,6 +304,19 @@ impl Material {
         !matches!(self, Material::BlinnPhong(phong) if !phong.is_normalized())
     }
 
+    /// The normal on the eye's side, if [`Self::draw`] takes directions with the density of a cosine about it
+    /// ([`warp::sample_cosine_hemisphere`] in [`Frame::about`]).
+    ///
+    /// [`Frame::about`]: crate::geom::Frame::about
+    #[inline]
+    pub fn diffuse_normal(&self, local: &Local) -> Option<Dir> {
+        match self {
+            Material::Lambert { two_sided, .. } => facing(*two_sided, local),
+            Material::OrenNayar(diffuse) => facing(diffuse.is_two_sided(), local),
+            _ => None,
+        }
+    }
+
     /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.
     #[inline]
     pub fn sample(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {

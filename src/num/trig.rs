@@ -6,7 +6,7 @@ use super::{ONE_Q16, Turn, mul_hi, mul_shift, ratio, rsqrt};
 /// vector are 1 long to 1.15e-5 (`tests/num_error`). Reduced to ±1/8 turn; polynomials of degree 5 and 6, minimax on
 /// that interval. Three wide products, four of 32 bits.
 #[inline]
-pub fn sin_cos(angle: Turn) -> (i32, i32) {
+pub const fn sin_cos(angle: Turn) -> (i32, i32) {
     let phase = angle.to_bits();
     let quadrant = phase.wrapping_add(1 << 29) >> 30;
     // x in ±2^31 stands for ±π/4, Q31 = 1 at the end; its square Q30, and again in 15 bits for the small terms.

@@ -15,6 +15,41 @@ pub fn sample_cosine_hemisphere(u: [Uniform; 2]) -> Dir {
     Dir([mul_q16(r, cos_phi), mul_q16(r, sin_phi), cos])
 }
 
+/// [`sample_cosine_hemisphere`] by two tables, Q14: no farther off than 1/24, its square 1 − 1/400 at least.
+#[inline]
+pub fn coarse_cosine_hemisphere(u: [Uniform; 2]) -> [i32; 3] {
+    let share = (u[0].to_bits() >> 24) as usize;
+    let angle = (u[1].to_bits() >> 25) as usize;
+    let r = ROOTS[share] as i32;
+    let cos = ROOTS[255 - share] as i32;
+    let (sin_phi, cos_phi) = (SINES[angle] as i32, SINES[angle + 32] as i32);
+    [(r * cos_phi) >> 14, (r * sin_phi) >> 14, cos]
+}
+
+/// Between √(i/256) and √((i + 1)/256), Q14.
+static ROOTS: [i16; 256] = {
+    let mut table = [0; 256];
+    let mut i = 0;
+    while i < 256 {
+        let ends = [(i as u64) << 20, (i as u64 + 1) << 20];
+        table[i] = ((ends[0].isqrt() + ends[1].isqrt()) / 2) as i16;
+        i += 1;
+    }
+    table
+};
+
+/// Sines of (i + ½)/128 turns, Q14: of a turn, and a quarter more for cosines.
+static SINES: [i16; 160] = {
+    let mut table = [0; 160];
+    let mut i = 0;
+    while i < 160 {
+        let (sin, _) = sin_cos(Turn::from_bits((2 * i as u32 + 1) << 24));
+        table[i] = (sin >> 2) as i16;
+        i += 1;
+    }
+    table
+};
+
 /// Density of [`sample_cosine_hemisphere`] at a direction with this cosine (Q16); 0 below the horizon.
 #[inline]
 pub fn pdf_cosine_hemisphere(cos: i32) -> Wide {

@@ -14,6 +14,7 @@ pub mod builtin;
 mod check;
 mod distant;
 mod emit;
+mod glance;
 mod power;
 mod query;
 
@@ -262,6 +263,13 @@ impl Vertex<'_> {
         }
         self.told
             .draw(self.material, self.surface.normal, self.wo, (u, lobe))
+    }
+
+    /// The normal on the eye's side, if directions are drawn with the density of a cosine about it.
+    #[inline]
+    fn diffuse_normal(&self) -> Option<Dir> {
+        self.material
+            .diffuse_normal(&self.told.local(self.surface.normal, self.wo))
     }
 
     /// Neither smooth normals nor colours: most shapes, for which the rest shall not be in the way.
