@@ -101,6 +101,15 @@ impl Offset {
             .wrapping_add(mul_q16(a[2], d[2]))
     }
 
+    /// [`Self::dot`], the same bits, quicker on narrow cores where the direction is an axis or at right angles to one.
+    #[inline(always)]
+    pub const fn along(self, dir: Dir) -> i32 {
+        let (a, d) = (self.0, dir.0);
+        mul_unit(a[0], d[0])
+            .wrapping_add(mul_unit(a[1], d[1]))
+            .wrapping_add(mul_unit(a[2], d[2]))
+    }
+
     /// Direction and length; `None` for nothing.
     ///
     /// It points right to 1.3e-5 rad (RMS 5.9e-6), the rounding of its components; its length is 1 to 4.6e-5, RMS

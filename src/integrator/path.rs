@@ -123,7 +123,8 @@ impl Path {
             let (choice, place) = (sampler.next_1d(), sampler.next_2d());
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
             let (light, roulette) = scene.choose_light(choice);
-            if vertex.material.is_smooth() {
+            let prospect = scene.prospect(light, &vertex);
+            if vertex.material.is_smooth() && !prospect.is_dark() {
                 let direct = self.sample_light(scene, ahead.shading, &vertex, light, place, rays);
                 // To the camera's own vertex nothing led that takes light away.
                 sum = sum.add(if depth == 1 {
@@ -135,7 +136,7 @@ impl Path {
 
             // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
             let is_last = depth + 1 == self.max_depth;
-            if is_last && !scene.may_end_on_light(&vertex, direction) {
+            if is_last && !scene.may_end_on_light(&prospect, direction) {
                 *rays += 1;
                 break;
             }

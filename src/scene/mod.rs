@@ -14,8 +14,8 @@ pub mod builtin;
 mod check;
 mod distant;
 mod emit;
-mod glance;
 mod power;
+mod prospect;
 mod query;
 
 use crate::bvh::Node;
@@ -37,6 +37,7 @@ pub use baked::{
 };
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
 pub use check::SceneError;
+pub use prospect::Prospect;
 pub use query::Seen;
 
 /// A shape with what it is made of.

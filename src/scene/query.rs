@@ -156,7 +156,7 @@ impl Scene<'_> {
     /// than the nearest of all; a hit on an emitter at the very distance of another shape counts.
     #[cfg_attr(narrow_mul, inline(never))]
     pub fn closest_light(&self, ray: &Ray) -> Option<Seen> {
-        if self.has_many_lights() {
+        if self.light_count - u32::from(self.environment.is_sampled()) > FEW_LIGHTS {
             return match self.closest(ray) {
                 Some(hit) => self.is_emitter(hit.shape).then_some(Seen::Emitter(hit)),
                 None => Some(Seen::Environment),
@@ -180,12 +180,6 @@ impl Scene<'_> {
             None if matches!(self.environment, Environment::None) => None,
             None => (!self.occluded(ray, FAR + 1, None)).then_some(Seen::Environment),
         }
-    }
-
-    /// More than are asked one by one.
-    #[inline]
-    pub(super) fn has_many_lights(&self) -> bool {
-        self.light_count - u32::from(self.environment.is_sampled()) > FEW_LIGHTS
     }
 
     fn is_emitter(&self, shape: u16) -> bool {

@@ -134,7 +134,7 @@ impl Rectangle {
     /// Whether a place on the plane, seen from the centre, is within the sides.
     #[inline]
     fn holds(&self, p: Offset) -> bool {
-        self.holds_along(0, dot(p, self.u)) && self.holds_along(1, dot(p, self.v))
+        self.holds_along(0, p.along(self.u)) && self.holds_along(1, p.along(self.v))
     }
 
     /// The same along one of the sides. Coordinates are rounded down by up to 3 units.
@@ -161,7 +161,7 @@ impl Rectangle {
 /// t = −(o − p)·n / (d·n), the closed form; the quotient's relative error is 2^-24 / |d·n| plus 2^-28.
 #[inline(always)]
 fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
-    let height = dot(point.to(ray.origin), normal);
+    let height = point.to(ray.origin).along(normal);
     let slope = dot_sparse(ray.dir.0, normal.0);
     meet(height, slope, t_max)
 }
@@ -201,15 +201,6 @@ fn divide(height: u32, slope: u32) -> i32 {
     mul_shift_short(height, r.mantissa >> 1, r.shift - 25) as i32
 }
 
-/// [`crate::geom::Offset::dot`], the same bits with fewer products where the direction is an axis or at right angles to one.
-#[inline(always)]
-fn dot(v: Offset, d: Dir) -> i32 {
-    let (v, d) = (v.0, d.0);
-    mul_unit(v[0], d[0])
-        .wrapping_add(mul_unit(v[1], d[1]))
-        .wrapping_add(mul_unit(v[2], d[2]))
-}
-
 /// The same for a shape that ends: under `t_max`, and none that was placed at [`FAR`], where the ray is not on the plane.
 #[inline]
 fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
@@ -219,7 +210,7 @@ fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<
 /// A point near a plane, brought onto it along the normal.
 #[inline]
 pub fn onto_plane(point: Point, normal: Dir, near: Point) -> Point {
-    let height = dot(point.to(near), normal);
+    let height = point.to(near).along(normal);
     near.along_side(normal, -height)
 }
 

@@ -1,16 +1,18 @@
-//! A glance before a direction is drawn: where it sees no light, none is at the end of the ray.
+//! What is told of a light before directions are drawn: where it is dark, none of its light is reflected, and where a
+//! direction sees no light, none comes back along the ray.
 
 mod scenes;
 
 use microlux::bvh::Node;
 use microlux::color::{Radiance, albedo};
 use microlux::geom::{Frame, Offset, Point, Ray};
+use microlux::light::Light;
 use microlux::material::Material;
 use microlux::num::{Share, Uniform};
 use microlux::q;
 use microlux::sampler::warp;
 use microlux::scene::builtin::Builtin;
-use microlux::scene::{Scene, SceneBuilder};
+use microlux::scene::{Prospect, Scene, SceneBuilder, Seen};
 use microlux::shape::{Disk, Rectangle};
 use scenes::{Draft, Random};
 
@@ -19,9 +21,12 @@ fn uniform(random: &mut Random) -> Uniform {
     Uniform::from_bits(random.pick(&[0, u32::MAX, any, any, any, any]))
 }
 
-/// Of how many directions something was known.
+/// Of how many surfaces and directions something was known.
 #[derive(Debug, Default)]
 struct Tally {
+    prospects: u32,
+    unlit: u32,
+    lit: u32,
     directions: u32,
     dark: u32,
     lights: u32,
@@ -41,9 +46,17 @@ impl Tally {
                 continue;
             };
             let vertex = scene.vertex(&ray, &hit);
+            let (light, _) = scene.choose_light(uniform(random));
+            let prospect = scene.prospect(light, &vertex);
+            self.prospects += 1;
+            self.unlit += u32::from(prospect == Prospect::Dark);
             for _ in 0..20 {
                 let u = [uniform(random), uniform(random)];
-                let may = scene.may_end_on_light(&vertex, u);
+                let sample = scene.sample_light(light, &vertex.surface, u);
+                let lit = sample.is_some_and(|sample| vertex.eval(sample.wi).is_some());
+                assert!(!lit || prospect != Prospect::Dark, "{vertex:?} {light} {u:?}");
+                self.lit += u32::from(lit);
+                let may = scene.may_end_on_light(&prospect, u);
                 let Some(drawn) = vertex.draw(u, uniform(random)) else {
                     continue;
                 };
@@ -51,7 +64,14 @@ impl Tally {
                     origin: vertex.surface.leave(drawn.wi),
                     dir: drawn.wi,
                 };
-                let seen = scene.closest_light(&next);
+                let seen = match scene.closest_light(&next) {
+                    Some(Seen::Emitter(hit)) => scene.vertex(&next, &hit).light.map(|_| hit),
+                    Some(Seen::Environment) => {
+                        assert!(may);
+                        continue;
+                    }
+                    None => None,
+                };
                 assert!(may || seen.is_none(), "{vertex:?} {u:?} {seen:?}");
                 self.directions += 1;
                 self.dark += u32::from(!may);
@@ -82,7 +102,16 @@ fn of_random_scenes_no_light_is_missed() {
     let mut tally = Tally::default();
     for seed in 0..scenes {
         let mut random = Random(seed);
-        let draft = Draft::random(&mut random);
+        let mut draft = Draft::random(&mut random);
+        // One light.
+        let index = random.below(draft.shapes.len());
+        for (i, shape) in draft.shapes.iter_mut().enumerate() {
+            shape.light = (i == index).then_some(0);
+        }
+        draft.lights = vec![Light::Area {
+            shape: index as u16,
+            radiance: Radiance::WHITE,
+        }];
         let meshes = draft.meshes();
         let Ok(scene) = Scene::new(draft.parts(&meshes)) else {
             continue;
@@ -90,7 +119,7 @@ fn of_random_scenes_no_light_is_missed() {
         tally.look(&mut random, &scene, 20);
     }
     println!("{tally:?}");
-    assert!(tally.dark > tally.directions / 20 && tally.lights > tally.directions / 100);
+    assert!(tally.dark > tally.directions / 10 && tally.unlit > tally.prospects / 10 && tally.lights > 500);
 }
 
 /// Directions towards a light's rim, as far from its middle as it reaches, from surfaces that face anywhere.
@@ -154,7 +183,7 @@ fn a_light_is_seen_up_to_its_rim() {
         if scene.closest_light(&next).is_some() {
             lights += 1;
             assert!(
-                scene.may_end_on_light(&vertex, u),
+                scene.may_end_on_light(&scene.prospect(0, &vertex), u),
                 "{center:?} {half:?} {normal:?} {u:?}"
             );
         }
