@@ -68,19 +68,17 @@ impl Path {
         let mut depth = 0;
         // How many lights a camera ray may still pass through unseen.
         let mut hidden = if self.hide_emitters { HIDDEN } else { 0 };
-        // What the last segment ends on.
-        let mut end = None;
-        while depth < self.max_depth {
+        if self.max_depth == 0 {
+            return sum;
+        }
+        // What the segment ends on.
+        *rays += 1;
+        let mut end = scene.closest_among(&ray, ahead.seen);
+        loop {
             depth += 1;
-            let seen = end.unwrap_or_else(|| {
-                *rays += 1;
-                scene
-                    .closest_among(&ray, ahead.seen)
-                    .map_or(Seen::Environment, Seen::Emitter)
-            });
-            let hit = match seen {
-                Seen::Emitter(hit) => hit,
-                Seen::Environment if depth > 1 || !self.hide_emitters => {
+            let hit = match end {
+                Some(hit) => hit,
+                None if depth > 1 || !self.hide_emitters => {
                     witness.nothing(&ray, throughput);
                     let mut background = throughput.mul(scene.background(ray.dir));
                     let light_pdf = scene.background_pdf(ray.dir);
@@ -90,7 +88,7 @@ impl Path {
                     sum = sum.add(background);
                     break;
                 }
-                Seen::Environment => {
+                None => {
                     witness.nothing(&ray, throughput);
                     break;
                 }
@@ -102,6 +100,8 @@ impl Path {
                 depth = 0;
                 ray.origin = vertex.surface.leave(ray.dir);
                 ahead = Ahead::ANY;
+                *rays += 1;
+                end = scene.closest(&ray);
                 continue;
             }
 
@@ -152,10 +152,11 @@ impl Path {
             };
             if is_last {
                 *rays += 1;
-                end = scene.closest_light(&ray);
-                if end.is_none() {
-                    break;
-                }
+                end = match scene.closest_light(&ray) {
+                    Some(Seen::Emitter(hit)) => Some(hit),
+                    Some(Seen::Environment) => None,
+                    None => break,
+                };
             }
             let sample = drawn.weigh();
             throughput = throughput.mul(sample.weight);
@@ -172,6 +173,10 @@ impl Path {
                     break;
                 }
                 throughput = throughput.scale(Wide::new(survival, -16).recip());
+            }
+            if !is_last {
+                *rays += 1;
+                end = scene.closest(&ray);
             }
         }
         sum

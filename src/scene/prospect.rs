@@ -45,7 +45,7 @@ impl Scene<'_> {
     ///
     /// Of diffuse surfaces, in scenes with one light, which is a closed form: with several, or a sky, it takes more to tell
     /// than it spares.
-    #[inline]
+    #[cfg_attr(narrow_mul, inline(never))]
     pub fn prospect(&self, index: u32, vertex: &Vertex) -> Prospect {
         if self.light_count != 1 || !matches!(self.environment, Environment::None) {
             return Prospect::Any;
@@ -53,7 +53,7 @@ impl Scene<'_> {
         self.prospect_of_one(index, vertex).unwrap_or(Prospect::Any)
     }
 
-    #[cfg_attr(narrow_mul, inline(never))]
+    #[inline(always)]
     fn prospect_of_one(&self, index: u32, vertex: &Vertex) -> Option<Prospect> {
         let Light::Area { shape, .. } = *self.parts.lights.get(index as usize)? else {
             return None;
