@@ -21,6 +21,10 @@ impl Display {
     /// One pixel's colour at (x, y) of the picture.
     #[inline]
     pub fn color<C: DisplayColor>(&self, tone: &Tone, light: Radiance, x: i32, y: i32) -> C {
+        // Black is black at every threshold.
+        if light.is_black() {
+            return C::quantize([0; 3], 0);
+        }
         let signal = if C::GRAY {
             [tone.luminance(light); 3]
         } else {
