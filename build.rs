@@ -1,9 +1,10 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
 //! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `layers` where it has the network's,
-//! `gathers` where it adds up its filter's taps.
+//! `gathers` where it adds up its filter's taps; `normalizes` where it has a vector's
+//! direction.
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers)");
+    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers, normalizes)");
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
     let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
@@ -19,6 +20,9 @@ fn main() {
     let has_routines = is_narrow || is(&["thumbv7m", "thumbv7em", "thumbv8m.main", "riscv32im"]);
     if has_routines && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
         println!("cargo::rustc-cfg=assembly");
+        if is_narrow {
+            println!("cargo::rustc-cfg=normalizes");
+        }
         if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
             println!("cargo::rustc-cfg=layers");
         }

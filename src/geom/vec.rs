@@ -1,7 +1,8 @@
-use crate::num::{
-    ONE_Q16, Wide, dot_q24, dot_unit, leading_zeros, mul_hi, mul_hi_signed, mul_q16, mul_shift, mul_unit,
-    round_shift, rsqrt_of_large,
-};
+#[cfg(normalizes)]
+use crate::num::{BYTE_ZEROS, ROOTS};
+use crate::num::{ONE_Q16, Wide, dot_q24, dot_unit, mul_hi, mul_q16, mul_shift, mul_unit};
+#[cfg(not(normalizes))]
+use crate::num::{leading_zeros, mul_hi_signed, round_shift, rsqrt_of_large};
 
 /// A place, scene units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -114,37 +115,52 @@ impl Offset {
     ///
     /// It points right to 1.3e-5 rad (RMS 5.9e-6), the rounding of its components; its length is 1 to 4.6e-5, RMS
     /// 9.6e-6, no bias, from the 15 bits that are squared (`tests/num_error`).
-    #[inline]
+    #[cfg_attr(normalizes, inline(always))]
+    #[cfg_attr(not(normalizes), inline)]
     pub fn normalize(self) -> Option<(Dir, Norm)> {
-        let v = self.0;
-        let m = (v[0] ^ (v[0] >> 31)) | (v[1] ^ (v[1] >> 31)) | (v[2] ^ (v[2] >> 31));
-        if m == 0 && self.0 == [0; 3] {
-            return None;
+        #[cfg(normalizes)]
+        {
+            let normal = microlux_asm::normalize(self.0, &BYTE_ZEROS, &ROOTS)?;
+            let norm = Norm {
+                square: normal.square,
+                shift: normal.shift(),
+                mantissa: normal.mantissa,
+                half: normal.half(),
+            };
+            Some((Dir(normal.dir), norm))
         }
-        // All the bits there are, the largest component of 30.
-        let zeros = leading_zeros(m as u32 | 1);
-        let v = if zeros >= 2 {
-            v.map(|c| c << (zeros - 2))
-        } else {
-            v.map(|c| c >> (2 - zeros))
-        };
-        // For the length, 15 of them: squares add up to less than 2^32.
-        let short = v.map(|c| round_shift(c, 15));
-        let square =
-            (short[0] * short[0]) as u32 + (short[1] * short[1]) as u32 + (short[2] * short[2]) as u32;
-        let (mantissa, half) = rsqrt_of_large(square);
-        // 2^16 v / |v| = v · mantissa / 2^(46 − half); one bit more than wanted, to round by.
-        let dir = v.map(|c| ((mul_hi_signed(c, (mantissa >> 1) as i32) >> (12 - half.min(1))) + 1) >> 1);
-        let shift = 17 - zeros as i32;
-        Some((
-            Dir(dir),
-            Norm {
-                square,
-                shift,
-                mantissa,
-                half,
-            },
-        ))
+        #[cfg(not(normalizes))]
+        {
+            let v = self.0;
+            let m = (v[0] ^ (v[0] >> 31)) | (v[1] ^ (v[1] >> 31)) | (v[2] ^ (v[2] >> 31));
+            if m == 0 && self.0 == [0; 3] {
+                return None;
+            }
+            // All the bits there are, the largest component of 30.
+            let zeros = leading_zeros(m as u32 | 1);
+            let v = if zeros >= 2 {
+                v.map(|c| c << (zeros - 2))
+            } else {
+                v.map(|c| c >> (2 - zeros))
+            };
+            // For the length, 15 of them: squares add up to less than 2^32.
+            let short = v.map(|c| round_shift(c, 15));
+            let square =
+                (short[0] * short[0]) as u32 + (short[1] * short[1]) as u32 + (short[2] * short[2]) as u32;
+            let (mantissa, half) = rsqrt_of_large(square);
+            // 2^16 v / |v| = v · mantissa / 2^(46 − half); one bit more than wanted, to round by.
+            let dir = v.map(|c| ((mul_hi_signed(c, (mantissa >> 1) as i32) >> (12 - half.min(1))) + 1) >> 1);
+            let shift = 17 - zeros as i32;
+            Some((
+                Dir(dir),
+                Norm {
+                    square,
+                    shift,
+                    mantissa,
+                    half,
+                },
+            ))
+        }
     }
 }
 

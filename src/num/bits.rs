@@ -11,7 +11,7 @@ pub const fn leading_zeros(x: u32) -> u32 {
 
 /// Zeros above the highest bit of a byte.
 #[cfg(any(not(counted_zeros), test))]
-static BYTE_ZEROS: [u8; 256] = {
+pub(crate) static BYTE_ZEROS: [u8; 256] = {
     let mut table = [0; 256];
     let mut i = 0;
     while i < 256 {

@@ -24,6 +24,8 @@ mod root;
 mod trig;
 mod wide;
 
+#[cfg(normalizes)]
+pub(crate) use bits::BYTE_ZEROS;
 pub use bits::{leading_zeros, normalize_shift, round_shift};
 pub use crc::Crc;
 pub use exp::{exp2_neg, neg_log2, pow};
@@ -35,6 +37,8 @@ pub use product::{
 pub(crate) use recip::RECIPS;
 pub(crate) use recip::recip_of_large;
 pub use recip::{Recip, ratio, recip, short_recip};
+#[cfg(normalizes)]
+pub(crate) use root::ROOTS;
 pub use root::{isqrt, rsqrt, rsqrt_of_large, short_rsqrt};
 pub use trig::{acos, atan2, sin_cos};
 pub use wide::Wide;

@@ -1,7 +1,7 @@
 use super::{leading_zeros, mul_hi};
 
 /// First guesses 2^31/√n for n in [2^30, 2^32) by its top byte (64 ..= 255), at each interval's middle; below, any.
-static TABLE: [u16; 256] = {
+pub(crate) static ROOTS: [u16; 256] = {
     let mut table = [0xffff; 256];
     let mut i = 64;
     while i < 256 {
@@ -27,7 +27,7 @@ static TABLE: [u16; 256] = {
 /// products.
 #[inline(always)]
 pub fn short_rsqrt(n: u32) -> u32 {
-    let r = TABLE[(n >> 24) as usize] as u32;
+    let r = ROOTS[(n >> 24) as usize] as u32;
     // r ← r (3 − n r²)/2 with n r² / 2^62 = 1 ± 2^-7 held in 16 bits of fraction; 3·2^16 − it < 2^18, halved twice.
     let square = (r * r) >> 16;
     let product = ((n >> 16) * square) >> 14;

@@ -18,7 +18,7 @@ use crate::{
         Integrator::{self, Direct, Path},
         Pattern::{self, Blue, Cmj, Independent, Sobol, Stratified},
     },
-    meshes,
+    meshes, normalize,
     random::Xorshift,
     rays::{
         Bundle,
@@ -108,12 +108,13 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 5] = [
+const OWN: [Job; 6] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),
     Job::machine("sums", sums::run),
     Job::machine("meshes", meshes::run),
+    Job::machine("normalize", normalize::run),
 ];
 
 /// Both seeds of each row.

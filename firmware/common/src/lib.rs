@@ -20,6 +20,7 @@ pub mod mesh;
 mod meshes;
 #[cfg(feature = "roomy")]
 mod network;
+mod normalize;
 mod random;
 pub mod rays;
 pub mod raystones;
