@@ -145,22 +145,23 @@ fn display(text: &mut String, frames: &[Frame]) -> Result<()> {
     text.push_str(
         "\n## The Pico's display, emulated at 133 MHz\n\n\
         `direct`, both cores. Milliseconds from reset to the first pixel, to the last one of the preview of 60 x 60 \
-        blocks, to the last one at one sample a pixel. Instructions and cycles are those of both cores until then and of \
+        blocks, to the last one at one sample a pixel; *frame*: of these, the last pass alone. Instructions and cycles are those of both cores until then and of \
         the whole program: start-up, preview, tone map, display and waiting for one another are in them, so that they \
         tell what a picture takes and not what a ray does.\n\n\
-        | scene | first pixel | preview | 1 spp | instructions | cycles | cycles a pixel | CRC-32 of the display |\n\
-        | --- | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n",
+        | scene | first pixel | preview | 1 spp | frame | instructions | cycles | cycles a pixel | CRC-32 of the display |\n\
+        | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | --- |\n",
     );
     for frame in frames {
         let row = &frame.row;
         let cycles = row.m0plus_cycles.context("the Pico's cycles are not known")?;
         writeln!(
             text,
-            "| {} | {:.1} | {:.1} | {:.1} | {} | {cycles} | {} | {:08x} |",
+            "| {} | {:.1} | {:.1} | {:.1} | {:.1} | {} | {cycles} | {} | {:08x} |",
             frame.scene,
             frame.first_ms,
             frame.preview_ms,
             frame.last_ms,
+            frame.last_ms - frame.preview_ms,
             row.instructions,
             cycles / row.pixels,
             row.crc
