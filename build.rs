@@ -1,10 +1,12 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
 //! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `layers` where it has the network's,
-//! `gathers` where it adds up its filter's taps; `normalizes` where it has a vector's
-//! direction.
+//! `gathers` where it adds up its filter's taps; `normalizes` where it has a vector's direction, `rectangles` where it meets
+//! those.
 
 fn main() {
-    println!("cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers, normalizes)");
+    println!(
+        "cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers, normalizes, rectangles)"
+    );
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
     let is = |names: &[&str]| names.iter().any(|name| target.starts_with(name));
@@ -22,6 +24,7 @@ fn main() {
         println!("cargo::rustc-cfg=assembly");
         if is_narrow {
             println!("cargo::rustc-cfg=normalizes");
+            println!("cargo::rustc-cfg=rectangles");
         }
         if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
             println!("cargo::rustc-cfg=layers");

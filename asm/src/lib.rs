@@ -3,11 +3,12 @@
 //! `Walk` goes through a tree along a ray, `Facets` looks at triangles; the core has the portable twin of both, and
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. [`sums`],
 //! `activations`, `heads`, `gather` and `Spread` are the network's, held against its portable layers and filter by the job
-//! `network`; `normalize` is `geom::Offset`'s, held against it by the job of that name.
+//! `network`; `normalize` is `geom::Offset`'s and `rectangle` meets one (`shape::planar`), held by the jobs `normalize` and
+//! `rectangles`.
 //!
-//! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, the first [`sums`] and `normalize` besides, those of
-//! ARMv7-M `activations` and `heads`, and those of ARMv7E-M `gather` and `Spread`; elsewhere [`sums`] is [`plain`], and the
-//! rest is not there.
+//! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, the first [`sums`], `normalize` and `rectangle` besides,
+//! those of ARMv7-M `activations` and `heads`, and those of ARMv7E-M `gather` and `Spread`; elsewhere [`sums`] is [`plain`],
+//! and the rest is not there.
 
 #![no_std]
 
@@ -57,6 +58,7 @@ mod rv32;
 #[cfg(armv6m)]
 pub use armv6m::{
     normalize::{Normal, normalize},
+    rectangle::rectangle,
     walk::Walk,
 };
 #[cfg(armv7em)]

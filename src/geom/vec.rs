@@ -6,6 +6,8 @@ use crate::num::{leading_zeros, mul_hi_signed, round_shift, rsqrt_of_large};
 
 /// A place, scene units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(rectangles, derive(zerocopy::IntoBytes, zerocopy::Immutable))]
+#[repr(C)]
 pub struct Point(pub [i32; 3]);
 
 /// From one place to another, scene units.
@@ -14,6 +16,8 @@ pub struct Offset(pub [i32; 3]);
 
 /// A unit vector, components Q16 (±65536). Its length is 1 to 4.6e-5.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(rectangles, derive(zerocopy::IntoBytes, zerocopy::Immutable))]
+#[repr(C)]
 pub struct Dir(pub [i32; 3]);
 
 /// What normalising a vector found out: enough for its length and its square.

@@ -96,8 +96,17 @@ impl From<Implicit> for Geometry {
 impl Geometry {
     /// Distance to the first crossing with 0 < t < `t_max`. A mesh answers `None`, its own tree is asked; so does a solid
     /// given by a function, which may need the scene's blobs.
-    #[inline]
+    #[inline(always)]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        match self {
+            Geometry::Rectangle(rectangle) if cfg!(rectangles) => rectangle.intersect(ray, t_max),
+            form => form.intersect_one(ray, t_max),
+        }
+    }
+
+    #[cfg_attr(rectangles, inline(never))]
+    #[cfg_attr(not(rectangles), inline)]
+    fn intersect_one(&self, ray: &Ray, t_max: i32) -> Option<i32> {
         match self {
             Geometry::Sphere(sphere) => sphere.intersect(ray, t_max),
             Geometry::Plane(plane) => plane.intersect(ray, t_max),

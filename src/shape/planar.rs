@@ -1,7 +1,15 @@
 //! Plane, disk and rectangle: one crossing with the plane, three ways to bound it.
 
-use crate::geom::{Dir, FAR, Offset, Point, Ray};
-use crate::num::{Wide, dot_sparse, leading_zeros, mul_q16, mul_shift_short, mul_unit, recip, round_shift};
+#[cfg(not(rectangles))]
+use crate::geom::Offset;
+use crate::geom::{Dir, FAR, Point, Ray};
+#[cfg(rectangles)]
+use crate::num::RECIPS;
+use crate::num::{Wide, dot_sparse, leading_zeros, mul_shift_short, recip, round_shift};
+#[cfg(not(rectangles))]
+use crate::num::{mul_q16, mul_unit};
+#[cfg(rectangles)]
+use zerocopy::{Immutable, IntoBytes, transmute_ref};
 
 /// How far a ray's origin must be lifted off a flat shape so that the ray does not meet it again, units.
 ///
@@ -27,11 +35,13 @@ pub struct Disk {
 
 /// The rectangle `center ± half[0]·u ± half[1]·v`, normal u × v.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(rectangles, derive(IntoBytes, Immutable))]
+#[repr(C)]
 pub struct Rectangle {
-    pub center: Point,
+    pub normal: Dir,
     pub u: Dir,
     pub v: Dir,
-    pub normal: Dir,
+    pub center: Point,
     /// Half the side lengths along u and v, units, 1 ..= 2^22.
     pub half: [i32; 2],
 }
@@ -95,6 +105,29 @@ impl Rectangle {
         })
     }
 
+    /// Distance to the crossing with 0 < t < `t_max`, under [`FAR`].
+    #[cfg(rectangles)]
+    #[inline(always)]
+    pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
+        microlux_asm::rectangle(transmute_ref!(self), transmute_ref!(ray), t_max, &RECIPS)
+    }
+
+    /// Area, units².
+    pub fn area(&self) -> Wide {
+        let [a, b] = self.half.map(|half| half as u32);
+        // Numbers that a `Wide` holds exactly are rounded after their product alone.
+        if (a | b) >> 16 == 0 {
+            Wide::new(a * b, 2)
+        } else {
+            Wide::new(a, 1) * Wide::new(b, 1)
+        }
+    }
+}
+
+/// What the assembly does elsewhere.
+#[cfg(not(rectangles))]
+impl Rectangle {
+    /// Distance to the crossing with 0 < t < `t_max`, under [`FAR`].
     #[inline]
     pub fn intersect(&self, ray: &Ray, t_max: i32) -> Option<i32> {
         match self.normal.0 {
@@ -142,17 +175,6 @@ impl Rectangle {
     fn holds_along(&self, side: usize, x: i32) -> bool {
         let half = self.half[side];
         x <= half && x >= -half - 3
-    }
-
-    /// Area, units².
-    pub fn area(&self) -> Wide {
-        let [a, b] = self.half.map(|half| half as u32);
-        // Numbers that a `Wide` holds exactly are rounded after their product alone.
-        if (a | b) >> 16 == 0 {
-            Wide::new(a * b, 2)
-        } else {
-            Wide::new(a, 1) * Wide::new(b, 1)
-        }
     }
 }
 

@@ -20,5 +20,6 @@ macro_rules! restore_upper {
 
 pub(crate) mod facets;
 pub(crate) mod normalize;
+pub(crate) mod rectangle;
 pub(crate) mod sums;
 pub(crate) mod walk;

@@ -24,6 +24,7 @@ mod normalize;
 mod random;
 pub mod rays;
 pub mod raystones;
+mod rectangles;
 pub mod region;
 pub mod stage;
 mod sums;

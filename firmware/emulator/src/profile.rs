@@ -60,7 +60,11 @@ const SURFACE: usize = 5;
 const INTERSECTION: usize = 6;
 
 /// Modules of `microlux_asm`, of which no source is known.
-const ASSEMBLY: [(&str, usize); 2] = [("::walk::", TRAVERSAL), ("::facets::", INTERSECTION)];
+const ASSEMBLY: [(&str, usize); 3] = [
+    ("::walk::", TRAVERSAL),
+    ("::facets::", INTERSECTION),
+    ("::rectangle::", INTERSECTION),
+];
 
 /// Sources that serve several stages.
 const SERVING: [&str; 4] = ["src/num/", "src/geom/", "src/color/", "src/sampler/warp.rs"];
@@ -74,10 +78,11 @@ const CORES: [Machine; 4] = [
 
 /// Functions (and places in assembly) whose calls say how much there was to do, by two parts of their names, between
 /// which types may stand.
-const WORK: [(&str, [&str; 2]); 5] = [
+const WORK: [(&str, [&str; 2]); 6] = [
     ("set-ups", ["microlux_asm", "walk::begin"]),
     ("nodes", ["microlux_walk", "_node"]),
     ("shapes", ["shape::Geometry", "::intersect"]),
+    ("shapes", ["microlux_asm", "rectangle::meet"]),
     ("triangles", ["microlux_facets", "_corners"]),
     ("hits", ["microlux_facets", "_met"]),
 ];
@@ -310,11 +315,12 @@ impl Report {
     }
 
     fn work(&self, region: u64, functions: &BTreeMap<u64, String>) -> BTreeMap<&'static str, u64> {
-        let one = |(what, parts): &(&'static str, [&str; 2])| {
-            let calls = self.calls(region, functions, &|name| is_named(name, *parts));
-            (*what, calls.values().sum())
-        };
-        WORK.iter().map(one).collect()
+        let mut work = BTreeMap::new();
+        for (what, parts) in WORK {
+            let calls = self.calls(region, functions, &|name| is_named(name, parts));
+            *work.entry(what).or_default() += calls.values().sum::<u64>();
+        }
+        work
     }
 
     fn row(
