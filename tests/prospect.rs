@@ -54,6 +54,9 @@ impl Tally {
                 let u = [uniform(random), uniform(random)];
                 let sample = scene.sample_light(light, &vertex.surface, u);
                 let lit = sample.is_some_and(|sample| vertex.eval(sample.wi).is_some());
+                if let Some(sample) = sample {
+                    assert_eq!(vertex.eval_before(&prospect, sample.wi), vertex.eval(sample.wi));
+                }
                 assert!(!lit || prospect != Prospect::Dark, "{vertex:?} {light} {u:?}");
                 self.lit += u32::from(lit);
                 let may = scene.may_end_on_light(&prospect, u);

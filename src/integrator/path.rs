@@ -4,7 +4,7 @@ use crate::color::Radiance;
 use crate::geom::Ray;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
-use crate::scene::{Ahead, Scene, Seen, ShapeSet, Vertex};
+use crate::scene::{Ahead, Prospect, Scene, Seen, ShapeSet, Vertex};
 
 /// Path tracing: at each vertex a light is sampled and the BSDF is sampled, joined by multiple importance sampling.
 ///
@@ -125,7 +125,8 @@ impl Path {
             let (light, roulette) = scene.choose_light(choice);
             let prospect = scene.prospect(light, &vertex);
             if vertex.material.is_smooth() && !prospect.is_dark() {
-                let direct = self.sample_light(scene, ahead.shading, &vertex, light, place, rays);
+                let direct =
+                    self.sample_light(scene, ahead.shading, (&vertex, &prospect), light, place, rays);
                 // To the camera's own vertex nothing led that takes light away.
                 sum = sum.add(if depth == 1 {
                     direct
@@ -136,7 +137,7 @@ impl Path {
 
             // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
             let is_last = depth + 1 == self.max_depth;
-            if is_last && !scene.may_end_on_light(&prospect, direction) {
+            if is_last && (prospect.is_dark() || !scene.may_end_on_light(&prospect, direction)) {
                 *rays += 1;
                 break;
             }
@@ -190,7 +191,7 @@ impl Path {
         &self,
         scene: &Scene,
         shading: ShapeSet,
-        vertex: &Vertex,
+        (vertex, prospect): (&Vertex, &Prospect),
         light: u32,
         place: [Uniform; 2],
         rays: &mut u32,
@@ -198,7 +199,7 @@ impl Path {
         let Some(sample) = scene.sample_light(light, &vertex.surface, place) else {
             return Radiance::BLACK;
         };
-        let Some((reflected, bsdf_pdf)) = vertex.eval(sample.wi) else {
+        let Some((reflected, bsdf_pdf)) = vertex.eval_before(prospect, sample.wi) else {
             return Radiance::BLACK;
         };
         let shadow = Ray {

@@ -7,7 +7,13 @@ use crate::sampler::warp;
 /// f·cos θi = ρ/π · cos θi, density cos θi / π.
 #[inline]
 pub(super) fn eval(albedo: Albedo, two_sided: bool, local: &Local, wi: Dir) -> Option<(Radiance, Wide)> {
-    let cos = wi.dot_normal(facing(two_sided, local)?);
+    eval_about(albedo, facing(two_sided, local)?, wi)
+}
+
+/// The same about the normal on the eye's side.
+#[inline]
+pub(super) fn eval_about(albedo: Albedo, normal: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
+    let cos = wi.dot_normal(normal);
     if cos <= 0 {
         return None;
     }

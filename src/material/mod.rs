@@ -317,6 +317,15 @@ impl Material {
         }
     }
 
+    /// [`Self::eval`] where [`Self::diffuse_normal`] is known.
+    #[inline]
+    pub fn eval_about(&self, normal: Dir, wo: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
+        match self {
+            Material::Lambert { albedo, .. } => lambert::eval_about(*albedo, normal, wi),
+            _ => self.eval(&Local { normal, wo }, wi),
+        }
+    }
+
     /// A direction drawn by two uniform numbers, and one more to choose a lobe; `None` where light is absorbed.
     #[inline]
     pub fn sample(&self, local: &Local, u: [Uniform; 2], lobe: Uniform) -> Option<BsdfSample> {

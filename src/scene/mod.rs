@@ -225,6 +225,15 @@ impl Vertex<'_> {
         self.eval_towards(self.wo, wi)
     }
 
+    /// The same of what the vertex has of a light.
+    #[inline]
+    pub fn eval_before(&self, prospect: &Prospect, wi: Dir) -> Option<(Radiance, Wide)> {
+        match *prospect {
+            Prospect::Ball { normal, .. } if self.is_plain() => self.material.eval_about(normal, self.wo, wi),
+            _ => self.eval(wi),
+        }
+    }
+
     /// The same of light on its way to `wo`.
     #[inline]
     pub fn eval_towards(&self, wo: Dir, wi: Dir) -> Option<(Radiance, Wide)> {
