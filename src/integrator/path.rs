@@ -138,7 +138,6 @@ impl Path {
             // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
             let is_last = depth + 1 == self.max_depth;
             if is_last && (prospect.is_dark() || !scene.may_end_on_light(&prospect, direction)) {
-                *rays += 1;
                 break;
             }
 
