@@ -69,11 +69,16 @@ impl Rays {
             let (light, roulette) = scene.choose_light(choice);
             self.shadows += u32::from(has_shadow_ray(scene, &vertex, light, place));
 
+            // The last is asked for where it may end on a light, before anything is known of what it is worth.
+            let is_last = depth + 1 == path.max_depth;
+            let prospect = scene.prospect(light, &vertex);
+            if is_last && !scene.may_end_on_light(&prospect, direction) {
+                return;
+            }
             let Some(sample) = vertex.sample(direction, lobe) else {
                 return;
             };
-            // The last is asked for before anything is known of what it is worth.
-            if depth + 1 == path.max_depth {
+            if is_last {
                 self.segments += 1;
                 return;
             }

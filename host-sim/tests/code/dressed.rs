@@ -41,22 +41,22 @@ pub fn scene() -> Result<(Builder, Camera), SceneError> {
         b.material(Material::Lambert { albedo: Albedo::from_bits([29491, 29491, 29491]), two_sided: true })?,
         b.material(Material::Lambert { albedo: Albedo::from_bits([29491, 29491, 29491]), two_sided: true })?,
     ];
-    b.shape(Rectangle { center: Point([0, -1048576, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), normal: Dir([0, 65536, 0]), half: [1048576, 1048576] }, m[0])?;
-    b.shape(Rectangle { center: Point([0, 1048576, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [1048576, 1048576] }, m[0])?;
-    b.shape(Rectangle { center: Point([0, 0, -1048576]), u: Dir([65536, 0, 0]), v: Dir([0, 65536, 0]), normal: Dir([0, 0, 65536]), half: [1048576, 1048576] }, m[0])?;
-    b.shape(Rectangle { center: Point([-1048576, 0, 0]), u: Dir([0, 65536, 0]), v: Dir([0, 0, 65536]), normal: Dir([65536, 0, 0]), half: [1048576, 1048576] }, m[1])?;
-    b.shape(Rectangle { center: Point([1048576, 0, 0]), u: Dir([0, 0, 65536]), v: Dir([0, 65536, 0]), normal: Dir([-65536, 0, 0]), half: [1048576, 1048576] }, m[2])?;
-    b.shape(Rectangle { center: Point([-668287, -408945, -225666]), u: Dir([0, -65536, 0]), v: Dir([19161, 0, 62672]), normal: Dir([-62672, 0, 19161]), half: [639631, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([-86687, -408945, -403479]), u: Dir([0, 65536, 0]), v: Dir([19160, 0, 62671]), normal: Dir([62673, 0, -19161]), half: [639631, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([-377487, 230687, -314573]), u: Dir([19161, 0, 62672]), v: Dir([62672, 0, -19161]), normal: Dir([0, 65535, 0]), half: [304087, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([-466394, -408945, -605373]), u: Dir([-62672, 0, 19161]), v: Dir([0, 65536, 0]), normal: Dir([-19161, 0, -62673]), half: [304087, 639631] }, m[0])?;
-    b.shape(Rectangle { center: Point([-288581, -408945, -23773]), u: Dir([62672, 0, -19161]), v: Dir([0, 65535, 0]), normal: Dir([19161, 0, 62672]), half: [304087, 639631] }, m[0])?;
-    b.shape(Rectangle { center: Point([79482, -754975, 247029]), u: Dir([0, -65536, 0]), v: Dir([-21336, 0, 61966]), normal: Dir([-61966, 0, -21336]), half: [293601, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([654522, -754975, 445031]), u: Dir([0, 65536, 0]), v: Dir([-21336, 0, 61966]), normal: Dir([61966, 0, 21336]), half: [293601, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([367002, -461373, 346030]), u: Dir([-21336, 0, 61966]), v: Dir([61967, 0, 21336]), normal: Dir([0, 65537, 0]), half: [304087, 304087] }, m[0])?;
-    b.shape(Rectangle { center: Point([466003, -754975, 58510]), u: Dir([-61966, 0, -21336]), v: Dir([0, 65537, 0]), normal: Dir([21336, 0, -61966]), half: [304087, 293601] }, m[0])?;
-    b.shape(Rectangle { center: Point([268001, -754975, 633550]), u: Dir([61966, 0, 21336]), v: Dir([0, 65537, 0]), normal: Dir([-21336, 0, 61966]), half: [304087, 293601] }, m[0])?;
-    b.emitter(Rectangle { center: Point([0, 1032847, -52429]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [272630, 220201] }, m[3], Radiance::from_bits([33792, 27853, 17613], -11))?;
+    b.shape(Rectangle { normal: Dir([0, 65536, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), center: Point([0, -1048576, 0]), half: [1048576, 1048576] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([0, -65536, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), center: Point([0, 1048576, 0]), half: [1048576, 1048576] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([0, 0, 65536]), u: Dir([65536, 0, 0]), v: Dir([0, 65536, 0]), center: Point([0, 0, -1048576]), half: [1048576, 1048576] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([65536, 0, 0]), u: Dir([0, 65536, 0]), v: Dir([0, 0, 65536]), center: Point([-1048576, 0, 0]), half: [1048576, 1048576] }, m[1])?;
+    b.shape(Rectangle { normal: Dir([-65536, 0, 0]), u: Dir([0, 0, 65536]), v: Dir([0, 65536, 0]), center: Point([1048576, 0, 0]), half: [1048576, 1048576] }, m[2])?;
+    b.shape(Rectangle { normal: Dir([-62672, 0, 19161]), u: Dir([0, -65536, 0]), v: Dir([19161, 0, 62672]), center: Point([-668287, -408945, -225666]), half: [639631, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([62673, 0, -19161]), u: Dir([0, 65536, 0]), v: Dir([19160, 0, 62671]), center: Point([-86687, -408945, -403479]), half: [639631, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([0, 65535, 0]), u: Dir([19161, 0, 62672]), v: Dir([62672, 0, -19161]), center: Point([-377487, 230687, -314573]), half: [304087, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([-19161, 0, -62673]), u: Dir([-62672, 0, 19161]), v: Dir([0, 65536, 0]), center: Point([-466394, -408945, -605373]), half: [304087, 639631] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([19161, 0, 62672]), u: Dir([62672, 0, -19161]), v: Dir([0, 65535, 0]), center: Point([-288581, -408945, -23773]), half: [304087, 639631] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([-61966, 0, -21336]), u: Dir([0, -65536, 0]), v: Dir([-21336, 0, 61966]), center: Point([79482, -754975, 247029]), half: [293601, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([61966, 0, 21336]), u: Dir([0, 65536, 0]), v: Dir([-21336, 0, 61966]), center: Point([654522, -754975, 445031]), half: [293601, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([0, 65537, 0]), u: Dir([-21336, 0, 61966]), v: Dir([61967, 0, 21336]), center: Point([367002, -461373, 346030]), half: [304087, 304087] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([21336, 0, -61966]), u: Dir([-61966, 0, -21336]), v: Dir([0, 65537, 0]), center: Point([466003, -754975, 58510]), half: [304087, 293601] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([-21336, 0, 61966]), u: Dir([61966, 0, 21336]), v: Dir([0, 65537, 0]), center: Point([268001, -754975, 633550]), half: [304087, 293601] }, m[0])?;
+    b.emitter(Rectangle { normal: Dir([0, -65536, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), center: Point([0, 1032847, -52429]), half: [272630, 220201] }, m[3], Radiance::from_bits([33792, 27853, 17613], -11))?;
     b.tinted(Instance::new(0).scaled(Metres::from_bits(65536)).turned(Rotation::from_rows([[886197368, 0, 606280240], [0, 1073741824, 0], [-606280239, 0, 886197368]])).moved(Point([-404629, -812646, 21636])), m[4], Tint::Vertices)?;
     b.tinted(Instance::new(0).scaled(Metres::from_bits(111411)).turned(Rotation::from_rows([[886197368, 0, 606280240], [0, 1073741824, 0], [-606280239, 0, 886197368]])).moved(Point([444593, -720896, 36781])), m[4], Tint::Vertices)?;
     b.tinted(Instance::new(1).scaled(Metres::from_bits(65536)).turned(Rotation::from_rows([[-31352750, 0, 1073283984], [0, 1073741824, 0], [-1073283983, 0, -31352750]])).moved(Point([-393227, -812646, 313807])), m[5], Tint::Texture(0))?;

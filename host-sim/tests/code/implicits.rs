@@ -40,14 +40,14 @@ pub fn scene() -> Result<(Builder, Camera), SceneError> {
         b.material(Material::Mirror { reflectance: Albedo::from_bits([29491, 28836, 27853]), two_sided: true })?,
         b.material(Material::Lambert { albedo: Albedo::from_bits([0, 0, 0]), two_sided: false })?,
     ];
-    b.shape(Rectangle { center: Point([0, -849347, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), normal: Dir([0, 65536, 0]), half: [2621440, 2621440] }, m[0])?;
+    b.shape(Rectangle { normal: Dir([0, 65536, 0]), u: Dir([0, 0, 65536]), v: Dir([65536, 0, 0]), center: Point([0, -849347, 0]), half: [2621440, 2621440] }, m[0])?;
     b.shape(Implicit::Gyroid(Gyroid { center: Point([0, -456131, -288358]), x: Dir([54366, 13592, 33979]), y: Dir([-20021, 61982, 7240]), cell: 288358, thickness: 36700, bound: Bound::ball(393216) }), m[1])?;
     b.shape(Implicit::RoundedBox(RoundedBox { center: Point([-760218, -639631, -262144]), x: Dir([58617, 0, -29309]), y: Dir([0, 65537, 0]), half: [235930, 209715, 183501], radius: 52429 }), m[2])?;
     b.shape(Implicit::Metaballs(Metaballs::new(&BLOBS, 0, 3, 26843546)), m[4])?;
     b.shape(Implicit::SmoothUnion(SmoothUnion::new(&BLOBS, 3, 3, 83886)), m[5])?;
     b.shape(Implicit::Capsule(Capsule::new(Point([-62915, -786432, 760218]), Point([220201, -786432, 655360]), 62915)), m[3])?;
     b.emitter(Implicit::Torus(Torus { center: Point([744489, -471859, -262144]), axis: Dir([-32745, 16373, 54357]), side: Dir([-56138, 0, -33818]), major: 262144, minor: 52429 }), m[6], Radiance::from_bits([39322, 18842, 5734], -14))?;
-    b.emitter(Rectangle { center: Point([-524288, 933233, 629146]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [314573, 314573] }, m[6], Radiance::from_bits([45056, 43418, 40960], -12))?;
+    b.emitter(Rectangle { normal: Dir([0, -65536, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), center: Point([-524288, 933233, 629146]), half: [314573, 314573] }, m[6], Radiance::from_bits([45056, 43418, 40960], -12))?;
     b.light(Light::Environment { radiance: Radiance::from_bits([20972, 26214, 35389], -17) })?;
     let camera = Camera::from_frame(Point([0, 199229, 2726298]), [Dir([65536, 0, 0]), Dir([0, 63343, -16810]), Dir([0, -16810, -63343])], fixed::types::I12F20::from_bits(371320));
     Ok((b, camera))

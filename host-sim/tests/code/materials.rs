@@ -56,7 +56,7 @@ pub fn scene() -> Result<(Builder, Camera), SceneError> {
     b.shape(Sphere { center: Point([0, -1237320, -94372]), radius: 335544 }, m[8])?;
     b.shape(Sphere { center: Point([786432, -1237320, -94372]), radius: 335544 }, m[9])?;
     b.shape(Sphere { center: Point([1572864, -1237320, -94372]), radius: 335544 }, m[10])?;
-    b.emitter(Rectangle { center: Point([-629146, 1572864, 744489]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), normal: Dir([0, -65536, 0]), half: [943718, 629146] }, m[11], Radiance::from_bits([32768, 30720, 26624], -12))?;
+    b.emitter(Rectangle { normal: Dir([0, -65536, 0]), u: Dir([65536, 0, 0]), v: Dir([0, 0, 65536]), center: Point([-629146, 1572864, 744489]), half: [943718, 629146] }, m[11], Radiance::from_bits([32768, 30720, 26624], -12))?;
     b.light(Light::Environment { radiance: Radiance::from_bits([28836, 34079, 41943], -17) })?;
     let camera = Camera::from_frame(Point([0, 419430, 4099932]), [Dir([65536, 0, 0]), Dir([0, 61225, -23377]), Dir([0, -23377, -61225])], fixed::types::I12F20::from_bits(434334));
     Ok((b, camera))
