@@ -307,6 +307,7 @@ impl Material {
     /// The normal on the eye's side, if [`Self::draw`] takes directions with the density of a cosine about it
     /// ([`warp::sample_cosine_hemisphere`] in [`Frame::about`]).
     ///
+    /// [`warp::sample_cosine_hemisphere`]: crate::sampler::warp::sample_cosine_hemisphere
     /// [`Frame::about`]: crate::geom::Frame::about
     #[inline]
     pub fn diffuse_normal(&self, local: &Local) -> Option<Dir> {
