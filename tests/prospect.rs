@@ -47,7 +47,7 @@ impl Tally {
             };
             let vertex = scene.vertex(&ray, &hit);
             let (light, _) = scene.choose_light(uniform(random));
-            let prospect = scene.prospect(light, &vertex);
+            let prospect = scene.prospect(&vertex);
             self.prospects += 1;
             self.unlit += u32::from(prospect == Prospect::Dark);
             for _ in 0..20 {
@@ -55,11 +55,11 @@ impl Tally {
                 let sample = scene.sample_light(light, &vertex.surface, u);
                 let lit = sample.is_some_and(|sample| vertex.eval(sample.wi).is_some());
                 if let Some(sample) = sample {
-                    assert_eq!(vertex.eval_before(&prospect, sample.wi), vertex.eval(sample.wi));
+                    assert_eq!(vertex.eval_with(&prospect, sample.wi), vertex.eval(sample.wi));
                 }
                 assert!(!lit || prospect != Prospect::Dark, "{vertex:?} {light} {u:?}");
                 self.lit += u32::from(lit);
-                let may = scene.may_end_on_light(&prospect, u);
+                let may = prospect.may_end_on_light(u);
                 let Some(drawn) = vertex.draw(u, uniform(random)) else {
                     continue;
                 };
@@ -186,7 +186,7 @@ fn a_light_is_seen_up_to_its_rim() {
         if scene.closest_light(&next).is_some() {
             lights += 1;
             assert!(
-                scene.may_end_on_light(&scene.prospect(0, &vertex), u),
+                scene.prospect(&vertex).may_end_on_light(u),
                 "{center:?} {half:?} {normal:?} {u:?}"
             );
         }
@@ -199,22 +199,28 @@ fn a_light_is_seen_up_to_its_rim() {
 #[test]
 fn a_coarse_direction_is_near_the_one_that_is_drawn() {
     let mut random = Random(5);
-    let (mut most, mut least) = (0.0f64, 1.0f64);
+    let (mut most, mut least, mut turned) = (0.0f64, 1.0f64, 0.0f64);
     for _ in 0..2_000_000 {
         let Some((normal, _)) = Offset(random.point(1 << 16).0).normalize() else {
             continue;
         };
         let normal = random.pick(&[normal, main_axis(&normal)]);
         let u = [uniform(&mut random), uniform(&mut random)];
-        let drawn = Frame::turn(normal, warp::sample_cosine_hemisphere(u)).0;
+        let local = warp::sample_cosine_hemisphere(u);
+        let drawn = Frame::turn(normal, local).0;
+        let alone = Frame::turn_coarsely(normal, local.0.map(|c| c >> 2));
+        for a in 0..3 {
+            turned = turned.max((drawn[a] as f64 / 65536.0 - alone[a] as f64 / 16384.0).abs());
+        }
         let coarse = Frame::turn_coarsely(normal, warp::coarse_cosine_hemisphere(u));
         let off = (0..3).map(|a| (drawn[a] as f64 / 65536.0 - coarse[a] as f64 / 16384.0).powi(2));
         most = most.max(off.sum::<f64>().sqrt());
         least = least.min(coarse.iter().map(|c| (*c as f64 / 16384.0).powi(2)).sum());
     }
-    println!("{most} off, square {least} at least");
+    println!("{most} off, square {least} at least; {turned} by the turn alone");
     assert!(most < 1.0 / 24.0 && least > 1.0 - 1.0 / 128.0);
-    assert!(most > 1.0 / 40.0);
+    assert!(turned < 1.0 / 2048.0);
+    assert!(most > 1.0 / 40.0 && turned > 1.0 / 8192.0);
 }
 
 /// The axis along which a direction points most.

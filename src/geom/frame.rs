@@ -51,7 +51,7 @@ impl Frame {
         }
     }
 
-    /// The same, roughly: components are Q14, right to 2^-12 and what `local` is worth. 10 short products.
+    /// The same, roughly: components are Q14, right to 2^-11 and what `local` is worth (`tests/prospect.rs`). 10 short products.
     #[cfg_attr(narrow_mul, inline(never))]
     #[cfg_attr(not(narrow_mul), inline)]
     pub fn turn_coarsely(n: Dir, local: [i32; 3]) -> [i32; 3] {

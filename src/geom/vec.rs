@@ -108,7 +108,7 @@ impl Offset {
 
     /// [`Self::dot`], the same bits, quicker on narrow cores where the direction is an axis or at right angles to one.
     #[inline(always)]
-    pub const fn along(self, dir: Dir) -> i32 {
+    pub const fn dot_normal(self, dir: Dir) -> i32 {
         let (a, d) = (self.0, dir.0);
         mul_unit(a[0], d[0])
             .wrapping_add(mul_unit(a[1], d[1]))

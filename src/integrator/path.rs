@@ -123,7 +123,7 @@ impl Path {
             let (choice, place) = (sampler.next_1d(), sampler.next_2d());
             let (lobe, direction) = (sampler.next_1d(), sampler.next_2d());
             let (light, roulette) = scene.choose_light(choice);
-            let prospect = scene.prospect(light, &vertex);
+            let prospect = scene.prospect(&vertex);
             if vertex.material.is_smooth() && !prospect.is_dark() {
                 let direct =
                     self.sample_light(scene, ahead.shading, (&vertex, &prospect), light, place, rays);
@@ -137,7 +137,7 @@ impl Path {
 
             // Of the last segment only light matters: mostly there is none, and what would come of it does not matter either.
             let is_last = depth + 1 == self.max_depth;
-            if is_last && (prospect.is_dark() || !scene.may_end_on_light(&prospect, direction)) {
+            if is_last && !prospect.may_end_on_light(direction) {
                 break;
             }
 
@@ -198,7 +198,7 @@ impl Path {
         let Some(sample) = scene.sample_light(light, &vertex.surface, place) else {
             return Radiance::BLACK;
         };
-        let Some((reflected, bsdf_pdf)) = vertex.eval_before(prospect, sample.wi) else {
+        let Some((reflected, bsdf_pdf)) = vertex.eval_with(prospect, sample.wi) else {
             return Radiance::BLACK;
         };
         let shadow = Ray {

@@ -10,7 +10,7 @@ use crate::num::Uniform;
 use crate::sampler::warp;
 use crate::shape::{Disk, Geometry, Rectangle, Sphere, Surface};
 
-/// One of the scene's lights, as a surface has it.
+/// The scene's only light, as a surface has it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prospect {
     /// Nothing is known.
@@ -34,28 +34,44 @@ impl Prospect {
     pub fn is_dark(&self) -> bool {
         matches!(self, Prospect::Dark)
     }
+
+    /// Whether the direction that the BSDF draws by these numbers may end on the light; where not, no light comes back along
+    /// it. It takes less to ask than to draw it.
+    ///
+    /// The direction is known to 1/24 ([`warp::coarse_cosine_hemisphere`]).
+    #[cfg_attr(narrow_mul, inline(never))]
+    pub fn may_end_on_light(&self, u: [Uniform; 2]) -> bool {
+        match *self {
+            Prospect::Any => true,
+            Prospect::Dark => false,
+            Prospect::Ball { normal, to, radius } => {
+                let dir = Frame::turn_coarsely(normal, warp::coarse_cosine_hemisphere(u));
+                may_meet(dir, to, radius)
+            }
+        }
+    }
 }
 
 /// Within ±2^14 squares add up to less than 3·2^28, and products with directions of Q14 to less than 2^30.
 const MOST: i32 = 1 << 14;
 
 impl Scene<'_> {
-    /// What a vertex has of light number `index`: [`Prospect::Dark`] only where no sample of it ([`Self::sample_light`]) is
-    /// reflected, nor any direction drawn to it.
+    /// What a vertex has of the scene's light: [`Prospect::Dark`] only where no sample of it ([`Self::sample_light`]) is
+    /// reflected, and no direction drawn leads to its bright side.
     ///
     /// Of diffuse surfaces, in scenes with one light, which is a closed form: with several, or a sky, it takes more to tell
     /// than it spares.
     #[cfg_attr(narrow_mul, inline(never))]
-    pub fn prospect(&self, index: u32, vertex: &Vertex) -> Prospect {
-        if self.light_count != 1 || !matches!(self.environment, Environment::None) {
-            return Prospect::Any;
-        }
-        self.prospect_of_one(index, vertex).unwrap_or(Prospect::Any)
+    pub fn prospect(&self, vertex: &Vertex) -> Prospect {
+        self.prospect_of_one(vertex).unwrap_or(Prospect::Any)
     }
 
     #[inline(always)]
-    fn prospect_of_one(&self, index: u32, vertex: &Vertex) -> Option<Prospect> {
-        let Light::Area { shape, .. } = *self.parts.lights.get(index as usize)? else {
+    fn prospect_of_one(&self, vertex: &Vertex) -> Option<Prospect> {
+        if self.light_count != 1 || !matches!(self.environment, Environment::None) {
+            return None;
+        }
+        let Light::Area { shape, .. } = *self.parts.lights.first()? else {
             return None;
         };
         let shape = self.parts.shapes.get(shape as usize)?;
@@ -87,7 +103,7 @@ impl Scene<'_> {
             return None;
         }
         // Of less than 2^15 steps, sides at right angles to 2^-15 and a direction to 2^-16 count; and places, which are rounded.
-        if bright.is_some_and(|normal| offset.along(normal) > (16 << shift) + 24) {
+        if bright.is_some_and(|normal| offset.dot_normal(normal) > (16 << shift) + 24) {
             return Some(Prospect::Dark);
         }
         // A cosine is off by 3·2^-14 for the normal's bits and 2^-12 for a drawn direction's: 14 steps at most, and 2 for `to`.
@@ -99,22 +115,6 @@ impl Scene<'_> {
         } else {
             Prospect::Ball { normal, to, radius }
         })
-    }
-
-    /// Whether the direction that the BSDF draws by these numbers may end on a light; where not, no light comes back along
-    /// it. It takes less to ask than to draw it.
-    ///
-    /// `prospect` is that of the scene's light. The direction is known to 1/24 ([`warp::coarse_cosine_hemisphere`]).
-    #[cfg_attr(narrow_mul, inline(never))]
-    pub fn may_end_on_light(&self, prospect: &Prospect, u: [Uniform; 2]) -> bool {
-        match *prospect {
-            Prospect::Any => true,
-            Prospect::Dark => false,
-            Prospect::Ball { normal, to, radius } => {
-                let dir = Frame::turn_coarsely(normal, warp::coarse_cosine_hemisphere(u));
-                may_meet(dir, to, radius)
-            }
-        }
     }
 }
 

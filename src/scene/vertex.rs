@@ -111,9 +111,9 @@ impl Vertex<'_> {
         self.eval_towards(self.wo, wi)
     }
 
-    /// The same of what the vertex has of a light.
+    /// The same, with less to ask where `prospect` knows the side that faces the eye.
     #[inline]
-    pub fn eval_before(&self, prospect: &Prospect, wi: Dir) -> Option<(Radiance, Wide)> {
+    pub fn eval_with(&self, prospect: &Prospect, wi: Dir) -> Option<(Radiance, Wide)> {
         match *prospect {
             Prospect::Ball { normal, .. } if self.is_plain() => self.material.eval_about(normal, self.wo, wi),
             _ => self.eval(wi),

@@ -167,7 +167,7 @@ impl Rectangle {
     /// Whether a place on the plane, seen from the centre, is within the sides.
     #[inline]
     fn holds(&self, p: Offset) -> bool {
-        self.holds_along(0, p.along(self.u)) && self.holds_along(1, p.along(self.v))
+        self.holds_along(0, p.dot_normal(self.u)) && self.holds_along(1, p.dot_normal(self.v))
     }
 
     /// The same along one of the sides. Coordinates are rounded down by up to 3 units.
@@ -183,7 +183,7 @@ impl Rectangle {
 /// t = −(o − p)·n / (d·n), the closed form; the quotient's relative error is 2^-24 / |d·n| plus 2^-28.
 #[inline(always)]
 fn crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<i32> {
-    let height = point.to(ray.origin).along(normal);
+    let height = point.to(ray.origin).dot_normal(normal);
     let slope = dot_sparse(ray.dir.0, normal.0);
     meet(height, slope, t_max)
 }
@@ -232,7 +232,7 @@ fn bounded_crossing(point: Point, normal: Dir, ray: &Ray, t_max: i32) -> Option<
 /// A point near a plane, brought onto it along the normal.
 #[inline]
 pub fn onto_plane(point: Point, normal: Dir, near: Point) -> Point {
-    let height = point.to(near).along(normal);
+    let height = point.to(near).dot_normal(normal);
     near.along_side(normal, -height)
 }
 

@@ -71,8 +71,7 @@ impl Rays {
 
             // The last is asked for where it may end on a light, before anything is known of what it is worth.
             let is_last = depth + 1 == path.max_depth;
-            let prospect = scene.prospect(light, &vertex);
-            if is_last && !scene.may_end_on_light(&prospect, direction) {
+            if is_last && !scene.prospect(&vertex).may_end_on_light(direction) {
                 return;
             }
             let Some(sample) = vertex.sample(direction, lobe) else {
