@@ -4,7 +4,7 @@ use super::{Hit, Mesh, Scene, ShapeSet};
 use crate::bvh::{self, Order, Visitor, traverse};
 use crate::geom::{FAR, Ray};
 use crate::light::{Environment, Light};
-use crate::shape::{Geometry, GridRay, Instance, MeshHit, Sight, Slopes};
+use crate::shape::{Geometry, GridRay, Instance, LAST, MeshHit, Sight, Slopes};
 use core::ops::ControlFlow;
 
 /// Closed forms that are tested in turn without a tree.
@@ -36,7 +36,9 @@ impl Scene<'_> {
             nearest.test(index);
         }
         if let Some(grid_ray) = GridRay::enter_here(&self.parts.grid, ray, &slopes) {
-            nearest.limit = depth_limit(&grid_ray, nearest.t_max + 1);
+            if nearest.hit.is_some() {
+                nearest.limit = depth_limit(&grid_ray, nearest.t_max + 1);
+            }
             traverse(self.parts.nodes, &grid_ray, &mut nearest);
         }
         nearest.hit
@@ -398,7 +400,7 @@ impl<'a> Nearest<'a> {
             slopes,
             t_max: FAR + 1,
             hit: None,
-            limit: i32::MAX,
+            limit: LAST,
         }
     }
 

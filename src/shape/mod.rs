@@ -28,7 +28,7 @@ pub use attributes::{Attributes, Layers};
 #[cfg(not(assembly))]
 pub(crate) use grid::Rise;
 pub use grid::{Bounds, Grid, GridRay, Slopes};
-pub(crate) use grid::{DEPTH_BITS, SLOPE_BITS};
+pub(crate) use grid::{DEPTH_BITS, LAST, SLOPE_BITS};
 pub use implicit::{
     Blob, Bound, Capsule, FINEST, Gyroid, Implicit, ImplicitError, MAX_BLOBS, Metaballs, RoundedBox,
     SmoothUnion, Torus,
