@@ -1,5 +1,5 @@
 //! What is ahead of a block of pixels: a ray that is asked of those shapes alone meets what it meets of all, and a shadow
-//! ray from there is stopped by them if it is stopped at all.
+//! ray from there is stopped by them if it is stopped at all; so it is by what may shade the part of the scene where it begins.
 
 mod scenes;
 
@@ -25,12 +25,17 @@ struct Tally {
     shadows: u32,
     shaded: u32,
     free: u32,
+    foreseen: u32,
+    foreseen_shaded: u32,
 }
 
 impl Tally {
     /// Some rays of some blocks of a camera's picture.
     fn look(&mut self, random: &mut Random, scene: &Scene, camera: Camera, [width, height]: [u16; 2]) {
         let film = camera.film(width, height);
+        let mut cells = [ShapeSet::ALL; 600];
+        let cells = &mut cells[..random.pick(&[7, 8, 100, 600])];
+        let told = scene.foresee_shade(cells);
         let uniform = |random: &mut Random| {
             let any = random.bits();
             Uniform::from_bits(random.pick(&[0, u32::MAX, any]))
@@ -75,6 +80,14 @@ impl Tally {
                         "{}, {shadow:?} {distance}",
                         tell()
                     );
+                    let shade = told.shade_at(vertex.surface.point);
+                    assert_eq!(
+                        scene.occluded_by(shade, &shadow, distance, except),
+                        occluded,
+                        "{shade:?}, {vertex:?}, {shadow:?} {distance}"
+                    );
+                    self.foreseen += u32::from(shade != ShapeSet::ALL);
+                    self.foreseen_shaded += u32::from(shade != ShapeSet::ALL && occluded);
                     if ahead.shading != ShapeSet::ALL {
                         self.shadows += 1;
                         self.shaded += u32::from(occluded);
@@ -146,6 +159,7 @@ fn of_the_built_in_scenes_nothing_is_missed() {
         println!("{}: {tally:?}", builtin.name());
         if builtin == Builtin::Cornell {
             assert!(tally.named > tally.rays / 2 && tally.shaded > 500 && tally.free > 5000);
+            assert!(tally.foreseen > 5000 && tally.foreseen_shaded > 500);
         }
     }
 }
@@ -183,6 +197,23 @@ fn of_random_scenes_nothing_is_missed() {
     }
     println!("{tally:?}");
     assert!(tally.named > tally.rays / 2 && tally.shaded.min(tally.free) > tally.hits / 20);
+    assert!(tally.foreseen_shaded > tally.hits / 20);
+}
+
+/// With too little memory, and beyond the scene, nothing is told.
+#[test]
+fn where_no_cell_is_nothing_is_foreseen() {
+    Builtin::Cornell
+        .with(|scene, _| {
+            let wall = Point([-65_000, 1 << 16, 0]);
+            let (mut few, mut many) = ([ShapeSet::ALL; 7], [ShapeSet::ALL; 64]);
+            assert_eq!(scene.foresee_shade(&mut few).shade_at(wall), ShapeSet::ALL);
+            assert_ne!(scene.foresee_shade(&mut many).shade_at(wall), ShapeSet::ALL);
+            // Beyond the scene.
+            let far = Point([1 << 24, 0, 0]);
+            assert_eq!(scene.foresee_shade(&mut many).shade_at(far), ShapeSet::ALL);
+        })
+        .unwrap();
 }
 
 /// What comes from all around, unasked, has no place to be shaded from.

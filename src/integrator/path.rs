@@ -206,6 +206,11 @@ impl Path {
             dir: sample.wi,
         };
         *rays += 1;
+        let shading = if shading == ShapeSet::ALL {
+            scene.shade_at(vertex.surface.point)
+        } else {
+            shading
+        };
         if scene.occluded_by(shading, &shadow, sample.distance, sample.shape) {
             return Radiance::BLACK;
         }

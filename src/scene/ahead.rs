@@ -16,9 +16,9 @@ use core::num::NonZeroU32;
 pub struct ShapeSet(NonZeroU32);
 
 /// Bits of a name: the shape's index and one.
-const NAME: u32 = 5;
+pub(super) const NAME: u32 = 5;
 /// Names that a set has room for.
-const MOST: usize = 6;
+pub(super) const MOST: usize = 6;
 /// Bit 30: a mesh is among them, or an instance of one.
 const MESH: u32 = 1 << 30;
 /// Bit 31: they are named.
@@ -86,19 +86,19 @@ impl Ahead {
 
 /// A box as seen from the beam's origin, steps of 4 of the scene's grid; within ±2^15.
 #[derive(Clone, Copy, Debug)]
-struct Extent {
+pub(super) struct Extent {
     low: [i32; 3],
     high: [i32; 3],
 }
 
 /// A finite shape that a beam may meet.
-struct Patch {
+pub(super) struct Patch {
     /// The shape's index.
-    shape: u16,
+    pub(super) shape: u16,
     /// How far away it begins, along the view, steps of 16.
-    near: u16,
+    pub(super) near: u16,
     /// About what the beam meets of it.
-    extent: Extent,
+    pub(super) extent: Extent,
 }
 
 impl Scene<'_> {
@@ -120,7 +120,7 @@ impl Scene<'_> {
             return Ahead::ANY;
         };
         let shading = if is_lit {
-            self.shading(from, &patches)
+            self.shading(from, &patches, |shape| self.extent(shape, from))
         } else {
             None
         };
@@ -162,7 +162,12 @@ impl Scene<'_> {
     }
 
     #[inline(never)]
-    fn shading(&self, from: [i32; 3], patches: &[Patch]) -> Option<ShapeSet> {
+    pub(super) fn shading(
+        &self,
+        from: [i32; 3],
+        patches: &[Patch],
+        extent_of: impl Fn(usize) -> Option<Extent>,
+    ) -> Option<ShapeSet> {
         let shapes = self.parts.shapes;
         // What a plane shows is not bounded, nor the way to what is infinitely far.
         if shapes.len() > self.parts.bounded as usize || self.environment.is_sampled() {
@@ -175,7 +180,7 @@ impl Scene<'_> {
                     lights = lights.union(&self.place(position, from));
                 }
                 Light::Point { .. } | Light::Directional { .. } => return None,
-                Light::Area { shape, .. } => lights = lights.union(&self.extent(shape as usize, from)?),
+                Light::Area { shape, .. } => lights = lights.union(&extent_of(shape as usize)?),
                 Light::Environment { .. } => {}
             }
         }
@@ -185,7 +190,7 @@ impl Scene<'_> {
         }
         let mut set = ShapeSet::NONE;
         for (index, shape) in shapes.iter().enumerate() {
-            let extent = &self.extent(index, from)?;
+            let extent = &extent_of(index)?;
             let may_shade = |patch: &Patch| {
                 patch.extent.union(&lights).meets(extent)
                     && !patch.extent.is_beside(&lights, extent)
@@ -214,7 +219,7 @@ impl Scene<'_> {
     }
 
     /// The box of a finite shape; `None` where it is no shape's and no leaf's.
-    fn extent(&self, index: usize, from: [i32; 3]) -> Option<Extent> {
+    pub(super) fn extent(&self, index: usize, from: [i32; 3]) -> Option<Extent> {
         let shape = self.parts.shapes.get(index)?;
         let bounds = match shape.geometry {
             Geometry::Mesh(_) | Geometry::Instance(_) => self.leaf(index as u32)?,
@@ -272,7 +277,7 @@ fn is_flat(geometry: &Geometry) -> bool {
 }
 
 impl Extent {
-    const EMPTY: Extent = Extent {
+    pub(super) const EMPTY: Extent = Extent {
         low: [i32::MAX; 3],
         high: [i32::MIN; 3],
     };
@@ -284,6 +289,22 @@ impl Extent {
         }
     }
 
+    /// A cube of 2^`shift` steps, the one of this number along each axis; 2 or more.
+    pub(super) fn of_cell(index: [i32; 3], shift: u32, from: [i32; 3]) -> Extent {
+        Extent {
+            low: [0, 1, 2].map(|a| (index[a] << (shift - 2)) - from[a]),
+            high: [0, 1, 2].map(|a| ((index[a] + 1) << (shift - 2)) - from[a]),
+        }
+    }
+
+    /// What of a box is in another that it meets.
+    pub(super) fn part_in(&self, other: &Extent) -> Extent {
+        Extent {
+            low: [0, 1, 2].map(|a| self.low[a].max(other.low[a])),
+            high: [0, 1, 2].map(|a| self.high[a].min(other.high[a])),
+        }
+    }
+
     fn union(&self, other: &Extent) -> Extent {
         Extent {
             low: [0, 1, 2].map(|a| self.low[a].min(other.low[a])),
@@ -291,7 +312,7 @@ impl Extent {
         }
     }
 
-    fn meets(&self, other: &Extent) -> bool {
+    pub(super) fn meets(&self, other: &Extent) -> bool {
         (0..3).all(|a| self.low[a] <= other.high[a] && other.low[a] <= self.high[a])
     }
 

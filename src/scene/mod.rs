@@ -18,6 +18,7 @@ mod lights;
 mod power;
 mod prospect;
 mod query;
+mod shade;
 mod vertex;
 
 use crate::bvh::Node;
@@ -27,6 +28,7 @@ use crate::material::{Material, Texture};
 use crate::shape::{Blob, Geometry, Grid, Triangles};
 
 use distant::Ball;
+use shade::Shade;
 
 pub use ahead::{Ahead, ShapeSet};
 pub use arrange::{Arrangement, Boxed, arrange};
@@ -108,6 +110,7 @@ pub struct Scene<'a> {
     depth: usize,
     /// Around the finite shapes.
     ball: Option<Ball>,
+    shade: Shade<'a>,
 }
 
 /// Where a ray met something.
