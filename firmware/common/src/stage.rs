@@ -17,6 +17,9 @@ mod pedestal;
 /// Scenes by the name that the firmware prints, in the order in which it shows them.
 pub const NAMES: [&str; 2] = ["cornell", "mesh"];
 
+/// What is counted stage by stage: those scenes, and the Cornell box by paths of up to five segments.
+pub const COUNTED: [&str; 3] = [NAMES[0], NAMES[1], "paths"];
+
 /// A scene with the camera that looks at it.
 #[derive(Clone, Copy)]
 pub struct Stage<'s> {

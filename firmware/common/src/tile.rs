@@ -109,6 +109,11 @@ pub struct Painter<'s> {
 impl<'s> Painter<'s> {
     /// For direct light from `stage`.
     pub fn new(stage: &Stage<'s>, frame: Frame, pass: Pass) -> Self {
+        Self::of(Path::direct(), stage, frame, pass)
+    }
+
+    /// For the light of such paths.
+    pub fn of(path: Path, stage: &Stage<'s>, frame: Frame, pass: Pass) -> Self {
         let settings = Settings {
             width: (frame.width / pass.block) as u16,
             height: (frame.height / pass.block) as u16,
@@ -118,7 +123,7 @@ impl<'s> Painter<'s> {
         Self {
             frame,
             pass,
-            renderer: Renderer::new(stage.scene, camera, Path::direct(), Independent::new(1), settings),
+            renderer: Renderer::new(stage.scene, camera, path, Independent::new(1), settings),
             light: [Radiance::BLACK; PIXELS],
         }
     }

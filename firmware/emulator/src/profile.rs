@@ -13,7 +13,7 @@ use std::{
 
 use addr2line::Loader;
 use anyhow::{Context, Result, anyhow, ensure};
-use firmware_common::stage::NAMES;
+use firmware_common::stage::COUNTED;
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 use serde_json::{Value, json};
 use xtask::board::Board;
@@ -105,7 +105,7 @@ fn profile(machine: Machine, plugin: &Path) -> Result<Vec<Value>> {
     let (printed, report) = trace(machine, &program, plugin, "m0plus")?;
     let report = Report::parse(&report)?;
     let functions = functions(&elf);
-    let scenes = (0..).zip(NAMES);
+    let scenes = (0..).zip(COUNTED);
     scenes
         .map(|(region, scene)| {
             let drawn = drawn(&printed, scene)?;

@@ -1,5 +1,5 @@
-//! Draws the boards' two scenes as a Pico does, one core, one sample a pixel: regions 0 and 1. Prints
-//! `profile SCENE pixels=N rays=N crc32=89abcdef` for each.
+//! Draws the boards' two scenes as a Pico does, one core, one sample a pixel, and the first by longer paths: regions 0 to 2.
+//! Prints `profile SCENE pixels=N rays=N crc32=89abcdef` for each.
 
 #![no_std]
 #![no_main]
@@ -13,10 +13,10 @@ use core::panic::PanicInfo;
 use cortex_m_rt::entry;
 use firmware_common::{
     mesh, region,
-    stage::{Cornell, NAMES, Pedestal, Stage},
+    stage::{COUNTED, Cornell, Pedestal, Stage},
     tile::{PASSES, PIXELS, Painter, SQUARE},
 };
-use microlux::num::Crc;
+use microlux::{integrator::Path, num::Crc, scene::ShapeSet};
 #[cfg(target_arch = "riscv32")]
 use riscv_rt::entry;
 use semihosting::process;
@@ -30,9 +30,13 @@ const ONLY: &str = match option_env!("MICROLUX_ONLY") {
 #[entry]
 fn main() -> ! {
     region::count(region::EMPTY, || ());
-    let draws: [(&str, fn()); 2] = [(NAMES[0], cornell), (NAMES[1], knot)];
-    for (name, draw) in draws {
-        if ONLY.is_empty() || ONLY == name {
+    let draws: [fn(); 3] = [
+        || cornell(0, Path::direct()),
+        knot,
+        || cornell(2, Path::new(5)),
+    ];
+    for (name, draw) in COUNTED.iter().zip(draws) {
+        if ONLY.is_empty() || ONLY == *name {
             draw();
         }
     }
@@ -40,16 +44,21 @@ fn main() -> ! {
 }
 
 #[inline(never)]
-fn cornell() {
+fn cornell(id: u32, path: Path) {
     let Ok(mut cornell) = Cornell::new() else { refuse() };
-    let Ok((scene, camera)) = cornell.scene() else {
+    let Ok((mut scene, camera)) = cornell.scene() else {
         refuse()
     };
+    // For long paths what may shade what is told ahead, which counts.
+    let mut cells = [ShapeSet::ALL; 512];
+    if path.max_depth > 2 {
+        scene = region::count(id, || scene.foresee_shade(&mut cells));
+    }
     let stage = Stage {
         scene: &scene,
         camera,
     };
-    draw(0, &stage);
+    draw(id, path, &stage);
 }
 
 #[inline(never)]
@@ -63,13 +72,13 @@ fn knot() {
         scene: &scene,
         camera,
     };
-    draw(1, &stage);
+    draw(1, Path::direct(), &stage);
 }
 
 /// Tile by tile; what is counted is what becomes of one.
 #[inline(never)]
-fn draw(id: u32, stage: &Stage) {
-    let mut painter = Painter::new(stage, SQUARE, PASSES[1]);
+fn draw(id: u32, path: Path, stage: &Stage) {
+    let mut painter = Painter::of(path, stage, SQUARE, PASSES[1]);
     let mut pixels = [0; PIXELS];
     let mut crc = Crc::new();
     for index in 0..SQUARE.tiles() {
@@ -78,7 +87,7 @@ fn draw(id: u32, stage: &Stage) {
             crc.bytes(&pixel.to_le_bytes());
         }
     }
-    console::print(&["profile ", NAMES[id as usize], " pixels="]);
+    console::print(&["profile ", COUNTED[id as usize], " pixels="]);
     console::decimal(SQUARE.width() * SQUARE.height());
     console::print(&[" rays="]);
     console::decimal(painter.rays());
