@@ -93,6 +93,15 @@ impl Mean {
         }
     }
 
+    /// One that has seen as much.
+    #[inline(always)]
+    pub(super) fn anew(&self) -> Mean {
+        Mean {
+            exponent: self.exponent,
+            ..Mean::new()
+        }
+    }
+
     #[inline]
     pub(super) fn see(&mut self, light: Rgb9e5) {
         self.exponent = self.exponent.max(light.0 >> 27);
@@ -138,6 +147,18 @@ impl Mean {
         )
     }
 
+    /// The same of `sums` whose weights are 16 in all.
+    #[inline(always)]
+    pub(super) fn sixteenth(&self, sums: [u32; 3]) -> ([u32; 3], i32) {
+        let zeros = leading_zeros(sums[0] | sums[1] | sums[2] | 1);
+        // The high word of a product with the reciprocal's mantissa, which is 2^32 − 2.
+        let less = |x: u32| x - (x >> 31) - u32::from(x << 1 != 0);
+        (
+            sums.map(|sum| less(sum << zeros)),
+            self.exponent as i32 - 24 - 9 - 4 - zeros as i32,
+        )
+    }
+
     #[inline]
     pub(super) fn light(&self) -> Rgb9e5 {
         let (bits, exponent) = self.divided();
@@ -150,5 +171,37 @@ impl Mean {
             return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
         }
         Rgb9e5::from_bits(bits, exponent)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::Radiance;
+
+    #[test]
+    fn sixteenths_are_what_the_reciprocal_says() {
+        let mut state = 1u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            state ^ (state >> 15)
+        };
+        for _ in 0..100_000 {
+            let light = Rgb9e5(random() & random());
+            let mut mean = Mean::new();
+            mean.see(light);
+            let parts = [[random(); 3], mean.parts(light)].map(|parts| parts.map(|part| part & 0x3_ffff));
+            parts
+                .iter()
+                .zip([7, 9])
+                .for_each(|(parts, share)| mean.add_parts(*parts, 64 * share));
+            let sums = [0, 1, 2].map(|i| 7 * parts[0][i] + 9 * parts[1][i]);
+            let [whole, sixteenth] = [mean.divided(), mean.sixteenth(sums)]
+                .map(|(bits, exponent)| Radiance::from_bits(bits, exponent));
+            assert_eq!(whole, sixteenth, "{sums:?}");
+        }
+        let mut mean = Mean::new();
+        mean.add_parts([1 << 17; 3], 1024);
+        assert_eq!(mean.divided(), mean.sixteenth([1 << 21; 3]));
     }
 }
