@@ -154,25 +154,25 @@ impl Span {
 impl Row<'_> {
     /// From the left, each mixed with its neighbours if an outline is near.
     pub fn lights(&self) -> impl Iterator<Item = Radiance> {
+        let [above, own, below] = self.rows;
         // The three columns about a pixel: each is looked at once.
-        let column = |x: usize| {
-            let [above, own, below] = self
-                .rows
-                .map(|row| row.get(x).map_or(Span::of(0), |seen| Span::of(seen.of)));
-            above.with(own).with(below)
-        };
-        let mut columns = [column(0); 2];
-        let last = self.len().saturating_sub(1);
-        (0..self.len()).map(move |x| {
-            let next = column((x + 1).min(last));
-            let both = columns[1].with(next);
-            let span = columns[0].with(both);
-            columns = [columns[1], next];
-            match self.rows[1].get(x) {
-                Some(own) if span.is_one(own.of) => own.light,
-                _ => Self::mixed(&self.near(x)),
-            }
-            .decode()
+        let mut columns =
+            above.iter().zip(own).zip(below).map(|((above, own), below)| {
+                Span::of(above.of).with(Span::of(own.of)).with(Span::of(below.of))
+            });
+        let first = columns.next().unwrap_or(Span::of(0));
+        let mut near = [first; 2];
+        own.iter().enumerate().map(move |(x, own)| {
+            let next = columns.next().unwrap_or(near[1]);
+            let both = near[1].with(next);
+            let span = near[0].with(both);
+            near = [near[1], next];
+            let light = if span.is_one(own.of) {
+                own.light
+            } else {
+                Self::mixed(&self.near(x))
+            };
+            light.decode()
         })
     }
 
