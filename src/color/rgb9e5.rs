@@ -34,6 +34,45 @@ impl Rgb9e5 {
         Self::from_bits([r, g, b], exponent as i32 - 15)
     }
 
+    /// Light times shares: `encode(light.mul_albedo(by))`, the same bits.
+    #[inline]
+    pub fn encode_product(light: Radiance, by: Albedo) -> Rgb9e5 {
+        let (m, exponent) = light.to_parts();
+        let bits = [0, 1, 2].map(|i| u32::from(m[i]) * u32::from(by.0[i].to_bits()));
+        Rgb9e5::encode_bits(bits, i32::from(exponent) - 30)
+    }
+
+    /// `encode(Radiance::from_bits(bits, exponent))`, the same bits.
+    #[inline(always)]
+    fn encode_bits(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
+        let all = bits[0] | bits[1] | bits[2];
+        if all == 0 {
+            return Rgb9e5::BLACK;
+        }
+        let round = |m: [u32; 3], shift: u32| m.map(|m| ((m >> (shift - 1)) + 1) >> 1);
+        // To 16 bits, then to nine; one bit more where rounding carries.
+        let zeros = leading_zeros(all);
+        let top = bits.map(|bits| bits << zeros);
+        let mut e = exponent + 31 - zeros as i32 - 15 + 7 + 24;
+        let mut wide = round(top, 16);
+        if (wide[0] | wide[1] | wide[2]) > 0xffff {
+            (wide, e) = (round(top, 17), e + 1);
+        }
+        let mut m = round(wide, 7);
+        if (m[0] | m[1] | m[2]) > 511 {
+            (m, e) = (round(wide, 8), e + 1);
+        }
+        if (1..31).contains(&e) {
+            return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | (e as u32) << 27);
+        }
+        Rgb9e5::encode_at_the_end(bits, exponent)
+    }
+
+    #[cold]
+    fn encode_at_the_end(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
+        Rgb9e5::encode(Radiance::from_bits(bits, exponent))
+    }
+
     /// Of three channels `bits · 2^exponent`, rounded as [`Self::encode`] does; `bits` under 2^31.
     #[inline]
     pub fn from_bits(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
@@ -89,6 +128,19 @@ impl Rgb9e5 {
     /// Its light times shares: `decode().mul_albedo(by)`, the same bits.
     #[inline]
     pub const fn times(self, by: Albedo) -> Radiance {
+        let (bits, exponent) = self.product(by);
+        Radiance::from_bits(bits, exponent)
+    }
+
+    /// `encode(self.times(by))`, the same bits.
+    #[inline]
+    pub fn shaded(self, by: Albedo) -> Rgb9e5 {
+        let (bits, exponent) = self.product(by);
+        Rgb9e5::encode_bits(bits, exponent)
+    }
+
+    #[inline(always)]
+    const fn product(self, by: Albedo) -> ([u32; 3], i32) {
         let (m, exponent) = self.to_parts();
         // raw: under 2^9 · 2^16
         let bits = [
@@ -96,7 +148,7 @@ impl Rgb9e5 {
             m[1] * by.0[1].to_bits() as u32,
             m[2] * by.0[2].to_bits() as u32,
         ];
-        Radiance::from_bits(bits, exponent - 15)
+        (bits, exponent - 15)
     }
 
     /// Its value times 2^`exponent`.
@@ -176,5 +228,30 @@ mod tests {
             u32::MAX
         );
         assert_eq!(Rgb9e5::encode(Radiance::from_bits([u32::MAX; 3], -40_000)).0, 0);
+    }
+
+    #[test]
+    fn products_are_encoded_alike() {
+        let mut state = 1;
+        for i in 0..200_000 {
+            let by = [0; 3].map(|_| (random(&mut state) % 32_769) as u16);
+            let by = Albedo::from_bits(if i % 3 == 0 { [by[0]; 3] } else { by });
+            let code = Rgb9e5(random(&mut state));
+            assert_eq!(code.shaded(by), Rgb9e5::encode(code.times(by)), "{code:?} {by:?}");
+            let bits = [0; 3].map(|_| random(&mut state) >> (random(&mut state) % 32));
+            let light = Radiance::from_bits(bits, (i % 96) - 64);
+            assert_eq!(
+                Rgb9e5::encode_product(light, by),
+                Rgb9e5::encode(light.mul_albedo(by)),
+                "{light:?} {by:?}"
+            );
+        }
+        for exponent in [40_000, -40_000] {
+            let light = Radiance::from_bits([u32::MAX; 3], exponent);
+            assert_eq!(
+                Rgb9e5::encode_product(light, Albedo::WHITE),
+                Rgb9e5::encode(light)
+            );
+        }
     }
 }

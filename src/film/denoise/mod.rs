@@ -317,10 +317,11 @@ impl Clean<'_> {
         let make = |y: u16, row: &mut [Seen]| {
             for (x, seen) in (0..).zip(row) {
                 let place = y as usize * self.size.width as usize + x as usize;
+                let light = self.light.get(place).copied().unwrap_or_default();
                 *seen = match (self.frame.get(place), self.lengths.get(place)) {
                     (Some(pixel), Some(&length)) => {
                         let frames = u32::from(length.min(self.whole).max(1));
-                        Seen::new(self.pixel(x, y), pixel, frames * each)
+                        Seen::new(light.shaded(pixel.albedo()), pixel, frames * each)
                     }
                     _ => Seen::default(),
                 };
@@ -349,7 +350,8 @@ impl Clean<'_> {
                 for (x, seen) in (first..).zip(seen) {
                     let guide = guide(x, y);
                     let light = four.light(coarse, [x, y], &guide);
-                    *seen = Seen::new(light.mul_albedo(guide.albedo()), &guide, MIDDLE);
+                    let light = Rgb9e5::encode_product(light, guide.albedo());
+                    *seen = Seen::new(light, &guide, MIDDLE);
                 }
             };
             let (first, others) = row.split_at_mut(row.len().min(1));

@@ -62,9 +62,9 @@ impl Seen {
         <[Seen]>::mut_from_bytes(pairs.as_mut_bytes()).unwrap_or(&mut [])
     }
 
-    pub(super) fn new(light: Radiance, pixel: &Feature, samples: u32) -> Seen {
+    pub(super) fn new(light: Rgb9e5, pixel: &Feature, samples: u32) -> Seen {
         Seen {
-            light: Rgb9e5::encode(light),
+            light,
             of: (pixel.id as u32) << 16 | (pixel.depth as u32) << 8 | samples.min(255),
         }
     }
