@@ -31,7 +31,7 @@ impl Rgb9e5 {
             }
             return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | e << 27);
         }
-        Self::from_bits([r, g, b], exponent as i32 - 15)
+        Self::at_an_end([r, g, b], exponent as i32 - 15)
     }
 
     /// Light times shares: `encode(light.mul_albedo(by))`, the same bits.
@@ -76,6 +76,27 @@ impl Rgb9e5 {
     /// Of three channels `bits · 2^exponent`, rounded as [`Self::encode`] does; `bits` under 2^31.
     #[inline]
     pub fn from_bits(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
+        let all = bits[0] | bits[1] | bits[2];
+        if all == 0 {
+            return Rgb9e5::BLACK;
+        }
+        let zeros = leading_zeros(all);
+        let round = |shift: u32| bits.map(|b| (((b << zeros) >> (shift - 1)) + 1) >> 1);
+        let e = exponent.saturating_add(47 - zeros as i32);
+        if (0..31).contains(&e) {
+            // Nothing ends here; one bit more where rounding carries.
+            let (mut m, mut e) = (round(23), e as u32);
+            if (m[0] | m[1] | m[2]) > 511 {
+                (m, e) = (round(24), e + 1);
+            }
+            return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | e << 27);
+        }
+        Rgb9e5::at_an_end(bits, exponent)
+    }
+
+    /// [`Self::from_bits`], also where the range ends.
+    #[cold]
+    pub(crate) fn at_an_end(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
         let all = bits[0] | bits[1] | bits[2];
         if all == 0 {
             return Rgb9e5::BLACK;
@@ -239,7 +260,13 @@ mod tests {
             let code = Rgb9e5(random(&mut state));
             assert_eq!(code.shaded(by), Rgb9e5::encode(code.times(by)), "{code:?} {by:?}");
             let bits = [0; 3].map(|_| random(&mut state) >> (random(&mut state) % 32));
-            let light = Radiance::from_bits(bits, (i % 96) - 64);
+            let e = (i % 96) - 64;
+            assert_eq!(
+                Rgb9e5::from_bits(bits, e),
+                Rgb9e5::at_an_end(bits, e),
+                "{bits:?} {e}"
+            );
+            let light = Radiance::from_bits(bits, e);
             assert_eq!(
                 Rgb9e5::encode_product(light, by),
                 Rgb9e5::encode(light.mul_albedo(by)),

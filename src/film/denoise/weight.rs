@@ -170,7 +170,7 @@ impl Mean {
         if (256..512).contains(&(r | g | b)) && (0..32).contains(&e) {
             return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
         }
-        Rgb9e5::from_bits(bits, exponent)
+        Rgb9e5::at_an_end(bits, exponent)
     }
 }
 
