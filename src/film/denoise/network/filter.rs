@@ -74,12 +74,12 @@ impl Mean {
 fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
     let before = leading_zeros(a);
     let product = ((a << before) >> 16) * (short & 0x1_ffff).min(0xffff);
-    // 14 at least; a third of b has more than 31.
-    let shift = (31 + before).saturating_sub(zeros).max(1);
-    if shift > 32 {
+    // 13 at least; a third of b has more than 31.
+    let shift = 30 + before - zeros;
+    if shift > 31 {
         return 0;
     }
-    ((product >> (shift - 1)) + 1) >> 1
+    ((product >> shift) + 1) >> 1
 }
 
 #[inline(always)]
