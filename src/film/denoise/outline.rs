@@ -170,7 +170,7 @@ impl Row<'_> {
             let light = if span.is_one(own.of) {
                 own.light
             } else {
-                Self::mixed(&self.near(x))
+                self.mixed(x)
             };
             light.decode()
         })
@@ -191,42 +191,40 @@ impl Row<'_> {
         self.rows.map(|row| columns.map(|x| row.get(x).unwrap_or(own)))
     }
 
-    /// The middle one of these, mixed with the others if an outline is near.
-    pub(super) fn light(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
+    /// Pixel x, the middle one of these, mixed with the others if an outline is near.
+    pub(super) fn light(&self, x: usize, near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
         let own = near[1][1];
         let all = near.iter().flatten();
         let span = all.fold(Span::of(own.of), |span, seen| span.with(Span::of(seen.of)));
         if span.is_one(own.of) {
             own.light
         } else {
-            Self::mixed(near)
+            self.mixed(x)
         }
     }
 
-    /// The middle one of these, mixed with the others.
+    /// Pixel x mixed with those about it.
     #[inline(never)]
-    fn mixed(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
+    fn mixed(&self, x: usize) -> Rgb9e5 {
+        let near = self.near(x);
         let own = near[1][1];
         let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
         let Some(&[side, corner]) = shares else {
             return own.light;
         };
+        let lights = near.map(|row| row.map(|seen| seen.light));
         let mut mean = Mean::new();
-        for row in near {
-            row.iter().for_each(|seen| mean.see(seen.light));
-        }
+        lights.iter().flatten().for_each(|light| mean.see(*light));
         let is_other = |seen: &&Seen| (seen.of ^ own.of) >> 16 != 0;
         let shares = if own.samples() == 1 && near.iter().flatten().any(is_other) {
-            counted(near)
+            counted(&near)
         } else {
             let own = 256 - 4 * (side + corner);
             [[corner, side, corner], [side, own, side], [corner, side, corner]]
         };
-        for (row, shares) in near.iter().zip(shares) {
-            for (seen, share) in row.iter().zip(shares) {
-                // raw: 256 · 64 in all.
-                mean.add(seen.light, share * tone(seen.light));
-            }
+        for (light, share) in lights.as_flattened().iter().zip(shares.as_flattened()) {
+            // raw: 256 · 64 in all.
+            mean.add(*light, share * tone(*light));
         }
         mean.light()
     }

@@ -48,7 +48,7 @@ impl Row<'_> {
     pub fn steadied<M: Reproject>(&self, y: u16, shown: &Shown<M>) -> impl Iterator<Item = Rgb9e5> {
         (0..self.len()).map(move |x| {
             let near = self.near(x);
-            let own = Self::light(&near);
+            let own = self.light(x, &near);
             let nearest = near.iter().flatten().map(|seen| seen.depth()).min();
             match nearest.and_then(|depth| shown.before(x as u16, y, depth)) {
                 Some(was) => {
