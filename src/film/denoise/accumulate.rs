@@ -292,7 +292,7 @@ impl Near {
         };
         let bits = [0, 1, 2].map(|i| whole[i].min(2 * most[i]));
         // As it was, to the last bit, where nothing is too much.
-        if up < 14 && bits == whole {
+        if up < 14 && (0..3).all(|i| bits[i] == whole[i]) {
             return light;
         }
         Rgb9e5::from_bits(bits, least - 8)
@@ -376,7 +376,10 @@ fn remember<M: Reproject>(
     if mean.weight() < 32 {
         return None;
     }
-    let length = quotient(lengths, mean.weight()) as u8;
+    let length = match mean.weight() {
+        256 => lengths >> 8,
+        weight => quotient(lengths, weight),
+    } as u8;
     let then = Then {
         light: mean.light(),
         is_here,

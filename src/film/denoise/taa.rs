@@ -95,7 +95,7 @@ fn held(was: Rgb9e5, near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
         }
     }
     let within = [0, 1, 2].map(|i| bits[i].clamp(least[i], most[i]));
-    if within == bits {
+    if (0..3).all(|i| within[i] == bits[i]) {
         was
     } else {
         Rgb9e5::from_bits(within, top - 22)
