@@ -78,9 +78,10 @@ impl<'a> Neural<'a> {
         };
         let mut network = Network::new(self.weights, width, height, scratch)?;
 
-        let samples = self.samples;
+        // More are as many to it.
+        let samples = self.samples.min(1 << 16);
         network.extract_frame(pair, frame, |at| {
-            samples.saturating_mul(lengths.get(at).map_or(1, |&length| length.into()))
+            samples * lengths.get(at).map_or(1, |&length| u32::from(length))
         });
         let light = |at: usize| frame.get(at).map_or([0; 3], irradiance);
         let keeps = |at: usize| frame.get(at).is_some_and(keeps);
