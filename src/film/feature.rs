@@ -90,14 +90,8 @@ pub fn depth_distance(code: u8) -> i32 {
         110_218, 115_098, 120_194, 125_515,
     ];
     let code = code.min(254) as usize;
-    // raw: under 2^17 · 2^15 where the octave is the highest; its five bits below the point go first.
-    let octave = (code / 16) as u32 + 11;
-    let root = ROOTS[code % 16];
-    if octave >= 16 {
-        ((root as u64) << (octave - 16)).min(i32::MAX as u64) as i32
-    } else {
-        (root >> (16 - octave)) as i32
-    }
+    // raw: under 1.92 · 2^16 · 2^15 < 2^32
+    ((ROOTS[code % 16] << (code / 16)) >> 5) as i32
 }
 
 /// What is seen by way of `bounces` mirrors and glasses gets another number than what is seen itself.
