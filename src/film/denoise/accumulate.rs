@@ -376,16 +376,16 @@ fn remember<M: Reproject>(
     if mean.weight() < 32 {
         return None;
     }
-    let length = match mean.weight() {
-        256 => lengths >> 8,
-        weight => quotient(lengths, weight),
-    } as u8;
+    let (light, length) = match mean.weight() {
+        256 => (mean.light_of_256(), lengths >> 8),
+        weight => (mean.light(), quotient(lengths, weight)),
+    };
     let then = Then {
-        light: mean.light(),
+        light,
         is_here,
         whole: None,
     };
-    Some((then, length))
+    Some((then, length as u8))
 }
 
 /// ⌊a / b⌋, exactly, for a ≤ 15 b and b ≤ 2^8: cheaper than a division where that is no instruction.

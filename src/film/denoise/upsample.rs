@@ -151,7 +151,7 @@ impl Four<'_> {
         let [seen, looks] = words(guide);
         let first = self.columns[0].pixels[0];
         if self.is_even && looks == words(first)[1] && guide.depth == first.depth && !shines(seen) {
-            let (bits, exponent) = self.mean.sixteenth(self.sums[right]);
+            let (bits, exponent) = self.mean.shifted(self.sums[right], 4);
             return Radiance::from_bits(bits, exponent);
         }
         let (near, far) = (&self.columns[right], &self.columns[1 - right]);

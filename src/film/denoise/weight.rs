@@ -147,21 +147,31 @@ impl Mean {
         )
     }
 
-    /// The same of `sums` whose weights are 16 in all.
+    /// The same of `sums` whose weights are 2^`weight` in all.
     #[inline(always)]
-    pub(super) fn sixteenth(&self, sums: [u32; 3]) -> ([u32; 3], i32) {
+    pub(super) fn shifted(&self, sums: [u32; 3], weight: u32) -> ([u32; 3], i32) {
         let zeros = leading_zeros(sums[0] | sums[1] | sums[2] | 1);
         // The high word of a product with the reciprocal's mantissa, which is 2^32 − 2.
         let less = |x: u32| x - (x >> 31) - u32::from(x << 1 != 0);
         (
             sums.map(|sum| less(sum << zeros)),
-            self.exponent as i32 - 24 - 9 - 4 - zeros as i32,
+            self.exponent as i32 - 24 - 9 - weight as i32 - zeros as i32,
         )
     }
 
     #[inline]
     pub(super) fn light(&self) -> Rgb9e5 {
-        let (bits, exponent) = self.divided();
+        Mean::encoded(self.divided())
+    }
+
+    /// [`Self::light`] of weights that are 256 in all.
+    #[inline]
+    pub(super) fn light_of_256(&self) -> Rgb9e5 {
+        Mean::encoded(self.shifted(self.sum, 8))
+    }
+
+    #[inline(always)]
+    fn encoded((bits, exponent): ([u32; 3], i32)) -> Rgb9e5 {
         // The largest has 31 bits or 32: what `from_bits` does, where it has no end of the range to mind.
         let shift = 22 + ((bits[0] | bits[1] | bits[2]) >> 31);
         let rounded = |bits: u32| ((bits >> (shift - 1)) + 1) >> 1;
@@ -196,12 +206,12 @@ mod tests {
                 .zip([7, 9])
                 .for_each(|(parts, share)| mean.add_parts(*parts, 64 * share));
             let sums = [0, 1, 2].map(|i| 7 * parts[0][i] + 9 * parts[1][i]);
-            let [whole, sixteenth] = [mean.divided(), mean.sixteenth(sums)]
+            let [whole, sixteenth] = [mean.divided(), mean.shifted(sums, 4)]
                 .map(|(bits, exponent)| Radiance::from_bits(bits, exponent));
             assert_eq!(whole, sixteenth, "{sums:?}");
         }
         let mut mean = Mean::new();
         mean.add_parts([1 << 17; 3], 1024);
-        assert_eq!(mean.divided(), mean.sixteenth([1 << 21; 3]));
+        assert_eq!(mean.divided(), mean.shifted([1 << 21; 3], 4));
     }
 }
