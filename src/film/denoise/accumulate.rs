@@ -81,35 +81,33 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
     if width == 0 || above.len() < width || current.len() < width {
         return;
     }
-    let height = rows.len() / width;
-    for row in 0..height {
+    let (above, current) = (&mut above[..width], &mut current[..width]);
+    if first == 0 {
+        // Black changes nothing.
+        above.fill(Rgb9e5::BLACK);
+    }
+    let mut rest = rows;
+    let mut row = 0;
+    while let Some((pixels, under)) = rest.split_at_mut_checked(width) {
         let from = row * width;
-        for (kept, pixel) in current.iter_mut().zip(rows.get(from..).unwrap_or(&[])) {
+        for (kept, pixel) in current.iter_mut().zip(&*pixels) {
             *kept = pixel.irradiance;
         }
-        let has_above = first as usize + row > 0;
         // The three columns about a pixel: each is looked at once.
-        let column = |rows: &[Feature], x: usize| {
-            if x >= width {
+        let column = |x: usize| {
+            let (Some(above), Some(own)) = (above.get(x), current.get(x)) else {
                 return Column::EMPTY;
-            }
-            let above = above.get(x).filter(|_| has_above).copied();
-            let under = if row + 1 < height {
-                rows.get(from + width + x).map(|pixel| pixel.irradiance)
-            } else {
-                below.get(x).copied()
             };
-            // Black changes nothing.
-            let light = |light: Option<Rgb9e5>| light.unwrap_or(Rgb9e5::BLACK);
-            Column::of([light(above), light(current.get(x).copied()), light(under)])
+            let under = match under.get(x) {
+                Some(pixel) => pixel.irradiance,
+                None => below.get(x).copied().unwrap_or_default(),
+            };
+            Column::of([*above, *own, under])
         };
-        let mut columns = [Column::EMPTY, Column::EMPTY, column(rows, 0)];
-        for x in 0..width {
-            columns = [columns[1], columns[2], column(rows, x + 1)];
+        let mut columns = [Column::EMPTY, Column::EMPTY, column(0)];
+        for (x, pixel) in pixels.iter_mut().enumerate() {
+            columns = [columns[1], columns[2], column(x + 1)];
             let near = Near::of(&columns);
-            let Some(pixel) = rows.get_mut(from + x) else {
-                continue;
-            };
             let light = near.clamped(pixel.irradiance, columns[1].own);
             let at = (x as u16, first.wrapping_add(row as u16));
             let (light, length) = match past.and_then(|past| remember(size, past, pixel, at)) {
@@ -138,7 +136,8 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
                 *place = length;
             }
         }
-        above[..width].copy_from_slice(&current[..width]);
+        above.copy_from_slice(current);
+        (rest, row) = (under, row + 1);
     }
 }
 
