@@ -122,6 +122,50 @@ fn outlines_are_off_by_as_little_as_the_formula_says() {
     }
 }
 
+/// Everything to be seen at twice the size, of light that is the same everywhere.
+fn shown_2x(guide: impl Fn(u16, u16) -> Feature) -> Vec<f64> {
+    let frame = vec![pixel(0, 1.0); SIZE.pixels()];
+    let lights = vec![light(LIGHT); frame.len()];
+    let clean = Clean {
+        size: SIZE,
+        frame: &frame,
+        light: &lights,
+        lengths: &vec![1; frame.len()],
+        spp: 4,
+        whole: 1,
+    };
+    let mut ring = [Seen::default(); 6 * SIZE.width as usize];
+    let mut out = Vec::new();
+    clean.rows_2x(0..2 * SIZE.height, &mut ring, guide, |_, row| {
+        out.extend(row.lights().map(|light| value(light)[0]));
+    });
+    out
+}
+
+#[test]
+fn outlines_of_middles_are_off_by_as_little_as_the_formula_says() {
+    let mut random = Random(5);
+    let mut sums = [0.0; 4];
+    for _ in 0..60 {
+        let half = Half::any(&mut random);
+        let is_white = |x: u16, y: u16| half.has([f64::from(x) + 0.5, f64::from(y) + 0.5]);
+        let seen = shown_2x(|x, y| pixel(is_white(x, y).into(), f64::from(u8::from(is_white(x, y)))));
+        for (i, seen) in seen.iter().enumerate() {
+            let (x, y) = (i % 64, i / 64);
+            let truth = half.share(x, y);
+            let own = f64::from(u8::from(is_white(x as u16, y as u16)));
+            for (sums, seen) in sums.chunks_mut(2).zip([seen / LIGHT, own]) {
+                sums[0] += (seen - truth).powi(2);
+                sums[1] += (seen.sqrt() - truth.sqrt()).powi(2);
+            }
+        }
+    }
+    let quotients = [sums[0] / sums[2], sums[1] / sums[3]];
+    for (quotient, meant) in quotients.iter().zip([0.28, 0.20]) {
+        assert!((quotient / meant - 1.0).abs() < 0.1, "{quotients:?}");
+    }
+}
+
 #[test]
 fn what_is_known_well_is_left_alone() {
     let mut random = Random(2);

@@ -9,11 +9,12 @@
 //! a² + ((1 − 2a)² + 2a²)² / 6n        of the step's square; 1/6n without
 //! ```
 //!
-//! whose least is 0.42 of that for one sample (a = 0.17), and at smaller *a* for more. One sample in the middle of each
-//! pixel is off by 1/12, the mean of 3 × 3 by ⅔ (a³ + (½ − a)³) + a²: least at the same *a* as for two samples anywhere.
+//! whose least is 0.42 of that for one sample (a = 0.17), and at smaller *a* for more.
 //!
 //! Of one sample a pixel it is known which thing it met, and how many of its neighbours met the same: of straight outlines
-//! anywhere, at any angle, the mean share that is others' where as many sides and corners are ([`UNITS`]) leaves 0.25.
+//! anywhere, at any angle, the mean share that is others' where as many sides and corners are ([`UNITS`]) leaves 0.25. If each
+//! sample is in its pixel's middle, sides and corners say more of where the outline runs: shares by them ([`MIDDLES`]) leave
+//! 0.28 of the error of steps, and 0.20 of that of the roots of light, a mean of 3 × 3 (a = 0.125) 0.43 and 0.48.
 //!
 //! Lights count by 1/(1 + luminance), so that what is shown is even, not what is added up (Karis, "High-Quality Temporal
 //! Supersampling", 2014): else a lamp shines through its own outline.
@@ -35,12 +36,12 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 pub struct Seen {
     light: Rgb9e5,
     /// From the highest bit: 16 of the number, 8 of the distance, and how many samples it is worth, places anywhere in the
-    /// pixel, 255 being as many as can be.
+    /// pixel, 255 being as many as can be, or [`MIDDLE`].
     of: u32,
 }
 
-/// One sample in the middle is worth as many.
-pub(super) const MIDDLE: u32 = 2;
+/// In a number of samples' place: one in the middle. As many anywhere there never are: see [`worth`].
+pub(super) const MIDDLE: u32 = 254;
 
 /// What a frame's samples of a pixel are worth. Four that keep out of each other's way know where an outline runs as eight that
 /// do not (Mitchell, "Consequences of Stratified Sampling in Graphics", 1996); what mixing blurs of things that have an outline
@@ -95,6 +96,17 @@ const UNITS: [[u8; 5]; 5] = [
     [0, 6, 15, 24, 11],
     [21, 21, 21, 24, 12],
     [24, 24, 24, 22, 12],
+];
+
+/// The same of one sample in the middle of each pixel, so that the root of light, which is what a display shows, is off by the
+/// least where one of both things is black, whichever: less than the mean share. By rows and columns of middles a straight
+/// outline has few ways to run; of others as one beside it, where all sides are others' as of [`SHARES`] for two samples.
+const MIDDLES: [[u8; 5]; 5] = [
+    [0, 0, 0, 0, 0],
+    [0, 0, 3, 3, 3],
+    [5, 5, 14, 14, 14],
+    [14, 14, 14, 14, 14],
+    [9, 9, 9, 9, 9],
 ];
 
 /// 64/(1 + luminance), 1 at least, by [`luma_code`].
@@ -208,35 +220,44 @@ impl Row<'_> {
     fn mixed(&self, x: usize) -> Rgb9e5 {
         let near = self.near(x);
         let own = near[1][1];
-        let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
-        let Some(&[side, corner]) = shares else {
-            return own.light;
-        };
-        let lights = near.map(|row| row.map(|seen| seen.light));
-        let mut mean = Mean::new();
-        lights.iter().flatten().for_each(|light| mean.see(*light));
         let is_other = |seen: &&Seen| (seen.of ^ own.of) >> 16 != 0;
-        let shares = if own.samples() == 1 && near.iter().flatten().any(is_other) {
-            counted(&near)
+        let is_middle = own.samples() == MIDDLE;
+        let shares = if is_middle {
+            counted(&near, &MIDDLES)
+        } else if own.samples() == 1 && near.iter().flatten().any(is_other) {
+            counted(&near, &UNITS)
         } else {
+            let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
+            let Some(&[side, corner]) = shares else {
+                return own.light;
+            };
             let own = 256 - 4 * (side + corner);
             [[corner, side, corner], [side, own, side], [corner, side, corner]]
         };
+        if shares[1][1] == 256 {
+            return own.light;
+        }
+        let lights = near.map(|row| row.map(|seen| seen.light));
+        let mut mean = Mean::new();
+        lights.iter().flatten().for_each(|light| mean.see(*light));
         for (light, share) in lights.as_flattened().iter().zip(shares.as_flattened()) {
+            // Shares that were found for what is shown have no need of it.
+            let tone = if is_middle { 1 } else { tone(*light) };
             // raw: 256 · 64 in all.
-            mean.add(*light, share * tone(*light));
+            mean.add(*light, share * tone);
         }
         mean.light()
     }
 }
 
-/// What each of these counts where each is of one sample: [`UNITS`]. Others of the middle one's thing count for nothing.
-fn counted(near: &[[&Seen; 3]; 3]) -> [[u32; 3]; 3] {
+/// What each of these counts where each is of one sample, by [`UNITS`] or [`MIDDLES`]. Others of the middle one's thing count
+/// for nothing.
+fn counted(near: &[[&Seen; 3]; 3], units: &[[u8; 5]; 5]) -> [[u32; 3]; 3] {
     let own = near[1][1];
     let mut shares = near.map(|row| row.map(|seen| u32::from((seen.of ^ own.of) >> 16 != 0)));
     let [[a, b, c], [d, _, e], [f, g, h]] = shares;
     let (sides, corners) = (b + d + e + g, a + c + f + h);
-    let unit = u32::from(UNITS[sides as usize % 5][corners as usize % 5]);
+    let unit = u32::from(units[sides as usize % 5][corners as usize % 5]);
     for (share, tap) in shares.iter_mut().flatten().zip([1, 2, 1, 2, 1, 2, 1, 2, 1]) {
         *share *= unit * tap;
     }
@@ -279,5 +300,56 @@ pub(super) fn go_down(
             },
         );
         (above, own, below) = (own, below, above);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::vec::Vec;
+
+    /// Of the square about the origin, beyond a line so far away, whose normal is (a, b).
+    fn share_beyond(distance: f64, a: f64, b: f64) -> f64 {
+        let (a, b) = (a.abs().max(1e-6), b.abs().max(1e-6));
+        let corner = |side: f64| (distance + side / 2.0).max(0.0).powi(2) / 2.0;
+        let nearer = corner(a + b) - corner(a - b) - corner(b - a) + corner(-a - b);
+        (1.0 - nearer / (a * b)).clamp(0.0, 1.0)
+    }
+
+    #[test]
+    fn middles_are_mixed_by_what_straight_outlines_leave() {
+        // Shares beyond each of the lines that leave so many sides and corners beyond.
+        let mut shares: [[Vec<f64>; 5]; 5] = Default::default();
+        for angle in 0..400 {
+            let (b, a) = (f64::from(angle) * core::f64::consts::TAU / 400.0 + 0.003).sin_cos();
+            for step in 0..150 {
+                let distance = (f64::from(step) + 0.5) / 100.0;
+                let is_beyond = |(x, y): &(f64, f64)| a * x + b * y > distance;
+                let sides = [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)];
+                let corners = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)];
+                let [sides, corners] =
+                    [sides, corners].map(|all| all.iter().filter(|it| is_beyond(it)).count());
+                shares[sides][corners].push(share_beyond(distance, a, b));
+            }
+        }
+        let mut seen = 0;
+        for (sides, corners) in (0..25).map(|i| (i / 5, i % 5)) {
+            let shares = &shares[sides][corners];
+            if shares.len() < 60 {
+                continue;
+            }
+            seen += 1;
+            let off = |unit: u8| -> f64 {
+                let other = f64::from(unit) * (2 * sides + corners) as f64 / 256.0;
+                let each = shares.iter().map(|share| {
+                    let off = |a: f64, b: f64| (a.sqrt() - b.sqrt()).powi(2);
+                    off(other, *share) + off(1.0 - other, 1.0 - share)
+                });
+                each.sum()
+            };
+            let best = (0..=21).min_by(|a, b| off(*a).total_cmp(&off(*b))).unwrap();
+            assert_eq!(MIDDLES[sides][corners], best, "{sides} sides, {corners} corners");
+        }
+        assert_eq!(seen, 6);
     }
 }
