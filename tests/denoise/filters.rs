@@ -509,6 +509,43 @@ fn a_fine_pixel_has_the_light_of_its_own_thing() {
 }
 
 #[test]
+fn light_of_two_things_counts_a_quarter() {
+    let wall = Feature {
+        irradiance: light([1 << 15; 3], -15),
+        albedo: [200; 3],
+        depth: 90,
+        id: 3,
+        ..Feature::default()
+    };
+    let mut frame = vec![wall; SIZE.pixels()];
+    // One of its four samples met a lamp.
+    let lit = Feature {
+        irradiance: light([5 << 15; 3], -15),
+        albedo: [215; 3],
+        ..wall
+    };
+    frame[5 * usize::from(SIZE.width) + 10] = lit;
+    let fine = |guide: &Feature, place| {
+        let lights: Vec<Rgb9e5> = frame.iter().map(|pixel| pixel.irradiance).collect();
+        value(upsample(SIZE, &frame, &lights, place, guide))[0]
+    };
+    // Sixteenths: the pixel's own place, beside it, across its corner.
+    for (place, shares) in [
+        ([20, 10], [9.0, 7.0]),
+        ([19, 10], [3.0, 13.0]),
+        ([19, 9], [1.0, 15.0]),
+    ] {
+        let [own, others] = shares;
+        let exact = (5.0 * own / 4.0 + others) / (own / 4.0 + others);
+        let found = fine(&wall, place);
+        assert!(
+            (found / exact - 1.0).abs() < 0.02,
+            "{place:?}: {found}, not {exact}"
+        );
+    }
+}
+
+#[test]
 fn anything_at_all_goes_through() {
     let mut random = Random(7);
     for round in 0..60 {

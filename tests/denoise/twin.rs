@@ -17,6 +17,7 @@ struct Real {
     light: [f64; 3],
     normal: [f64; 3],
     depth: f64,
+    albedo: [u8; 3],
     id: u16,
     length: f64,
 }
@@ -35,6 +36,7 @@ impl Real {
             light: value(pixel.irradiance.decode()),
             normal: [x / length, y / length, z / length],
             depth: f64::from(pixel.depth),
+            albedo: pixel.albedo,
             id: pixel.id,
             length: 1.0,
         }
@@ -255,7 +257,14 @@ fn a_trous_is_its_twins() {
 #[test]
 fn upsampling_is_its_twins() {
     let mut random = Random(13);
-    let pixels = scene(&mut random);
+    let mut pixels = scene(&mut random);
+    for pixel in &mut pixels {
+        pixel.albedo = if random.below(4) == 0 {
+            [150, 90, 60]
+        } else {
+            [200; 3]
+        };
+    }
     let frame: Frame = pixels.iter().map(Real::of).collect();
     let light: Vec<_> = pixels.iter().map(|p| p.irradiance).collect();
     let mut worst = 0f64;
@@ -271,6 +280,9 @@ fn upsampling_is_its_twins() {
                 let mut unlike = 2.0 * real.turn(tap) + 4.0 * (real.depth - tap.depth).abs();
                 if tap.id != real.id {
                     unlike += 32.0;
+                }
+                if tap.albedo != real.albedo {
+                    unlike += 16.0;
                 }
                 let share = (1.0 - (px - tx).abs()) * (1.0 - (py - ty).abs());
                 let share = share * 2f64.powf(-unlike.min(48.0) / 8.0);

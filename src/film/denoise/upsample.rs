@@ -6,8 +6,8 @@ use crate::geom::Octahedral;
 use zerocopy::transmute_ref;
 
 /// Half-lives, in eighths, that tell neighbours apart: for another number, for a turn by a cosine of 1 − 1/127, for a code
-/// of distance.
-const UNLIKE: [u32; 3] = [32, 2, 4];
+/// of distance, for another albedo. Several samples that met two things have the mean albedo of both, and light of neither.
+const UNLIKE: [u32; 4] = [32, 2, 4, 16];
 
 /// From here on nothing is less alike: [`FALL`]'s last that is not 0.
 const LEAST: u32 = 48;
@@ -83,10 +83,12 @@ impl<'a> Lines<'a> {
         let mut mean = Mean::new();
         lights.iter().for_each(|light| mean.see(*light));
         let [a, b, c, d] = pixels.map(words);
+        let seen = (a[0] ^ b[0]) | (a[0] ^ c[0]) | (a[0] ^ d[0]);
+        let is_painted_alike = u32::from_le(seen) << 8 == 0;
         let is_one = (a[1] ^ b[1]) | (a[1] ^ c[1]) | (a[1] ^ d[1]) == 0
             && !(shines(a[0]) || shines(b[0]) || shines(c[0]) || shines(d[0]));
         let parts = lights.map(|light| mean.parts(light));
-        let is_even = is_one && pixels.iter().all(|pixel| pixel.depth == pixels[0].depth);
+        let is_even = is_one && seen == 0;
         let sums = if is_even {
             // 9 : 3 : 3 : 1, across and then down.
             let three = |near: [u32; 3], far: [u32; 3]| [0, 1, 2].map(|i| 3 * near[i] + far[i]);
@@ -108,6 +110,7 @@ impl<'a> Lines<'a> {
             ],
             mean,
             is_one,
+            is_painted_alike,
             sums,
             is_even,
         }
@@ -137,7 +140,9 @@ pub(super) struct Four<'a> {
     mean: Mean,
     /// Whether all have one number and look the same way, and none shines.
     is_one: bool,
-    /// Whether all are as far away, too.
+    /// Whether all have one albedo, which then tells none apart.
+    is_painted_alike: bool,
+    /// Whether all are alike but for their light.
     is_even: bool,
     /// If so, sixteen times what a pixel of theirs is, the left one and the right one.
     sums: [[u32; 3]; 2],
@@ -158,7 +163,12 @@ impl Four<'_> {
         let pixels = [near.pixels[0], far.pixels[0], near.pixels[1], far.pixels[1]];
         let parts = [near.parts[0], far.parts[0], near.parts[1], far.parts[1]];
         let [a, b, c, d] = pixels;
-        let apart = [apart(a, guide), apart(b, guide), apart(c, guide), apart(d, guide)];
+        let mut apart = [apart(a, guide), apart(b, guide), apart(c, guide), apart(d, guide)];
+        if !self.is_painted_alike {
+            for (apart, pixel) in apart.iter_mut().zip(pixels) {
+                *apart += repainted(pixel, guide);
+            }
+        }
         let is_one = self.is_one
             && looks == words(a)[1]
             && !shines(seen)
@@ -226,7 +236,7 @@ fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
     }
     let differs = u32::from_le(tap_looks ^ looks);
     let id = if differs >> 16 == 0 { 0 } else { UNLIKE[0] };
-    let unlike = apart(pixel, guide) + id;
+    let unlike = apart(pixel, guide) + repainted(pixel, guide) + id;
     // To look another way makes no difference any more, or most look the same way, to the last bit.
     if unlike >= LEAST {
         unlike
@@ -239,6 +249,13 @@ fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
 #[inline(always)]
 fn apart(pixel: &Feature, guide: &Feature) -> u32 {
     u32::from(pixel.depth.abs_diff(guide.depth)) * UNLIKE[2]
+}
+
+/// [`unlike`] by albedo alone.
+#[inline(always)]
+fn repainted(pixel: &Feature, guide: &Feature) -> u32 {
+    let differs = u32::from_le(words(pixel)[0] ^ words(guide)[0]) << 8;
+    if differs == 0 { 0 } else { UNLIKE[3] }
 }
 
 #[inline(always)]
