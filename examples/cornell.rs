@@ -21,7 +21,7 @@ use microlux::num::{Metres, Share, Turn, sin_cos};
 use microlux::q;
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::Sobol;
-use microlux::scene::{MaterialId, SceneBuilder, SceneError, ShapeSet};
+use microlux::scene::{Cell, MaterialId, SceneBuilder, SceneError};
 use microlux::shape::Rectangle;
 
 const WIDTH: usize = 96;
@@ -38,10 +38,10 @@ fn main() -> Result<(), std::boxed::Box<dyn Error>> {
     let mut builder = Box::new();
     fill(&mut builder)?;
     let mut nodes = [Node::EMPTY; max_nodes(SHAPES)];
-    // What may shade what is told once: paths as long as these take less then, and the picture is the same.
-    let mut cells = [ShapeSet::ALL; 512];
+    // What is where, and what may shade it, is told once: paths as long as these take less then, the picture is the same.
+    let mut cells = [Cell::UNKNOWN; 512];
     let bytes = size_of_val(&builder) + size_of_val(&nodes) + size_of_val(&cells);
-    let scene = builder.build(&mut nodes)?.foresee_shade(&mut cells);
+    let scene = builder.build(&mut nodes)?.foresee(&mut cells);
 
     let (eye, target) = (point(q!(0), q!(1), q!(4.1)), point(q!(0), q!(1), q!(0)));
     let field_of_view = Turn::from_bits((1 << 31) / 180 * 38); // 38°

@@ -12,7 +12,7 @@ use microlux::material::Material;
 use microlux::num::{Share, Uniform};
 use microlux::q;
 use microlux::scene::builtin::Builtin;
-use microlux::scene::{Ahead, Scene, SceneBuilder, ShapeSet};
+use microlux::scene::{Ahead, Cell, Scene, SceneBuilder, ShapeSet};
 use microlux::shape::{Geometry, Sphere};
 use scenes::{Draft, Random};
 
@@ -25,6 +25,7 @@ struct Tally {
     shadows: u32,
     shaded: u32,
     free: u32,
+    bounces: u32,
     foreseen: u32,
     foreseen_shaded: u32,
 }
@@ -33,9 +34,9 @@ impl Tally {
     /// Some rays of some blocks of a camera's picture.
     fn look(&mut self, random: &mut Random, scene: &Scene, camera: Camera, [width, height]: [u16; 2]) {
         let film = camera.film(width, height);
-        let mut cells = [ShapeSet::ALL; 600];
-        let cells = &mut cells[..random.pick(&[7, 8, 100, 600])];
-        let told = scene.foresee_shade(cells);
+        let mut cells = [Cell::UNKNOWN; 4096];
+        let cells = &mut cells[..random.pick(&[7, 8, 100, 600, 600, 4096])];
+        let told = scene.foresee(cells);
         let uniform = |random: &mut Random| {
             let any = random.bits();
             Uniform::from_bits(random.pick(&[0, u32::MAX, any]))
@@ -61,6 +62,19 @@ impl Tally {
                 let Some(hit) = hit else { continue };
                 self.hits += 1;
                 let vertex = scene.vertex(&ray, &hit);
+                let left = hit.shape;
+                for _ in 0..4 {
+                    let Some(dir) = Dir::new([(); 3].map(|()| random.within(1 << 16))) else {
+                        continue;
+                    };
+                    let bounce = Ray {
+                        origin: vertex.surface.leave(dir),
+                        dir,
+                    };
+                    let hit = scene.closest(&bounce);
+                    assert_eq!(told.closest_from(&bounce, left), hit, "{left} {bounce:?}");
+                    self.bounces += u32::from(hit.is_some());
+                }
                 for _ in 0..4 {
                     let (light, _) = scene.choose_light(Uniform::from_bits(random.bits()));
                     let Some(sample) =
@@ -206,12 +220,12 @@ fn where_no_cell_is_nothing_is_foreseen() {
     Builtin::Cornell
         .with(|scene, _| {
             let wall = Point([-65_000, 1 << 16, 0]);
-            let (mut few, mut many) = ([ShapeSet::ALL; 7], [ShapeSet::ALL; 64]);
-            assert_eq!(scene.foresee_shade(&mut few).shade_at(wall), ShapeSet::ALL);
-            assert_ne!(scene.foresee_shade(&mut many).shade_at(wall), ShapeSet::ALL);
+            let (mut few, mut many) = ([Cell::UNKNOWN; 7], [Cell::UNKNOWN; 64]);
+            assert_eq!(scene.foresee(&mut few).shade_at(wall), ShapeSet::ALL);
+            assert_ne!(scene.foresee(&mut many).shade_at(wall), ShapeSet::ALL);
             // Beyond the scene.
             let far = Point([1 << 24, 0, 0]);
-            assert_eq!(scene.foresee_shade(&mut many).shade_at(far), ShapeSet::ALL);
+            assert_eq!(scene.foresee(&mut many).shade_at(far), ShapeSet::ALL);
         })
         .unwrap();
 }

@@ -2,6 +2,7 @@ use super::mis::weight_over_density;
 use super::{First, Integrator, NoWitness, SplatSink, View, Witness, power_heuristic};
 use crate::color::Radiance;
 use crate::geom::Ray;
+use crate::material::Density;
 use crate::num::{Uniform, Wide};
 use crate::sampler::Sampler;
 use crate::scene::{Ahead, Prospect, Scene, Seen, ShapeSet, Vertex};
@@ -64,7 +65,7 @@ impl Path {
         let mut throughput = Radiance::WHITE;
         let mut eta_squared = Wide::ONE;
         // Of the direction that led here; none for the camera's and for a delta distribution's.
-        let mut bsdf_pdf = Wide::ZERO;
+        let mut density = Density::Told(Wide::ZERO);
         let mut depth = 0;
         // How many lights a camera ray may still pass through unseen.
         let mut hidden = if self.hide_emitters { HIDDEN } else { 0 };
@@ -82,6 +83,7 @@ impl Path {
                     witness.nothing(&ray, throughput);
                     let mut background = throughput.mul(scene.background(ray.dir));
                     let light_pdf = scene.background_pdf(ray.dir);
+                    let bsdf_pdf = density.tell();
                     if !bsdf_pdf.is_zero() && !light_pdf.is_zero() {
                         background = background.scale(power_heuristic(bsdf_pdf, light_pdf));
                     }
@@ -109,6 +111,7 @@ impl Path {
 
             // Add what the surface emits, weighted against the light sample that could have found it.
             if let Some(light) = vertex.light {
+                let bsdf_pdf = density.tell();
                 let weight = if bsdf_pdf.is_zero() {
                     Wide::ONE
                 } else {
@@ -158,13 +161,15 @@ impl Path {
                     None => break,
                 };
             }
-            let sample = drawn.weigh();
+            let (told, sample) = (drawn.density(), drawn.weigh());
             throughput = throughput.mul(sample.weight);
             if throughput.is_black() {
                 break;
             }
-            eta_squared = eta_squared * sample.eta_squared;
-            bsdf_pdf = sample.pdf;
+            if sample.eta_squared != Wide::ONE {
+                eta_squared = eta_squared * sample.eta_squared;
+            }
+            density = told;
 
             // End paths that carry little, and let the others make up for it.
             if depth >= self.rr_depth {
@@ -176,7 +181,7 @@ impl Path {
             }
             if !is_last {
                 *rays += 1;
-                end = scene.closest(&ray);
+                end = scene.closest_from(&ray, hit.shape);
             }
         }
         sum
@@ -216,11 +221,10 @@ impl Path {
         }
         let arriving = reflected.mul(sample.radiance);
         // One of several is chosen: the density is that much smaller.
-        let chance = scene.light_chance(light);
         if sample.is_delta() {
-            return arriving.scale(chance.recip());
+            return arriving.scale(scene.light_chance(light).recip());
         }
-        let pdf = sample.pdf * chance;
+        let pdf = scene.pdf_of_chosen(light, sample.pdf);
         arriving.scale(weight_over_density(pdf, bsdf_pdf))
     }
 }

@@ -15,6 +15,7 @@ mod texture;
 use crate::color::{Albedo, Radiance};
 use crate::geom::Dir;
 use crate::num::{Uniform, Wide};
+use crate::sampler::warp;
 
 pub use blinn_phong::BlinnPhong;
 pub use conductor::{Conductor, Index, fresnel_conductor};
@@ -123,7 +124,34 @@ enum Worth {
     },
 }
 
+/// A density, which is seldom asked for: where a path meets a light.
+#[derive(Clone, Copy, Debug)]
+pub enum Density {
+    Told(Wide),
+    /// Of a direction drawn about a normal by its cosine, Q16.
+    Cosine(i32),
+}
+
+impl Density {
+    #[inline]
+    pub fn tell(self) -> Wide {
+        match self {
+            Density::Told(pdf) => pdf,
+            Density::Cosine(cos) => warp::pdf_cosine_hemisphere(cos),
+        }
+    }
+}
+
 impl Drawn {
+    /// The sample's density.
+    #[inline]
+    pub fn density(&self) -> Density {
+        match self.worth {
+            Worth::Diffuse { cos, .. } => Density::Cosine(cos),
+            Worth::Told { pdf, .. } => Density::Told(pdf),
+        }
+    }
+
     #[inline]
     pub fn weigh(self) -> BsdfSample {
         match self.worth {

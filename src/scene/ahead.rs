@@ -28,10 +28,10 @@ impl ShapeSet {
     /// Any shape.
     pub const ALL: ShapeSet = ShapeSet(NonZeroU32::MIN);
 
-    const NONE: ShapeSet = ShapeSet(NAMED);
+    pub(super) const NONE: ShapeSet = ShapeSet(NAMED);
 
     /// One shape more, before the others; `None` where there is no room for it.
-    fn with(self, index: usize, geometry: &Geometry) -> Option<ShapeSet> {
+    pub(super) fn with(self, index: usize, geometry: &Geometry) -> Option<ShapeSet> {
         let names = self.0.get() & (MESH - 1);
         let is_full = names >> (NAME * (MOST as u32 - 1)) != 0;
         if is_full || index + 1 >= 1 << NAME {
@@ -245,7 +245,7 @@ impl Scene<'_> {
     }
 
     /// Whether two boxes lie on one side of a plane.
-    fn is_aside(&self, center: Point, normal: Dir, from: [i32; 3], boxes: [&Extent; 2]) -> bool {
+    pub(super) fn is_aside(&self, center: Point, normal: Dir, from: [i32; 3], boxes: [&Extent; 2]) -> bool {
         let normal = normal.0.map(|c| c >> 2);
         let center = self.place(center, from).along(normal);
         // A normal's rounding is worth 2^15·√3 · √3 / 2^14 steps, of the three of 4.
@@ -272,7 +272,7 @@ fn is_near(steps: [i32; 3]) -> bool {
     steps.iter().all(|c| (c.wrapping_add(1 << 14) as u32) < 3 << 14)
 }
 
-fn is_flat(geometry: &Geometry) -> bool {
+pub(super) fn is_flat(geometry: &Geometry) -> bool {
     matches!(geometry, Geometry::Rectangle(_) | Geometry::Disk(_))
 }
 

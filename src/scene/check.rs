@@ -1,6 +1,6 @@
 use super::arrange::{coarsest, finite_box, reach, rectangle_reach, shape_bounds};
+use super::cells::Cells;
 use super::distant::Ball;
-use super::shade::Shade;
 use super::{Parts, Scene, Tint};
 use crate::bvh::{CheckError, SCENE_PAD, check_mesh, check_tree};
 use crate::geom::{Dir, Point, REACH};
@@ -326,7 +326,7 @@ impl<'a> Scene<'a> {
             environment,
             depth,
             ball: finite_box(&parts).map(Ball::around),
-            shade: Shade::UNKNOWN,
+            cells: Cells::NONE,
         })
     }
 }

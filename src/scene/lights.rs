@@ -59,6 +59,16 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// A density on a light as that of a light that is chosen: times [`Self::light_chance`], which is mostly 1.
+    #[inline]
+    pub(crate) fn pdf_of_chosen(&self, index: u32, pdf: Wide) -> Wide {
+        if self.light_count == 1 {
+            pdf
+        } else {
+            pdf * self.light_chance(index)
+        }
+    }
+
     /// A direction from a place towards light number `index`; `None` where it can send nothing. The shadow ray begins where
     /// [`Surface::leave`] says.
     #[inline]
@@ -118,7 +128,7 @@ impl<'a> Scene<'a> {
             return Wide::ZERO;
         };
         debug_assert_eq!(shape.light, Some(light));
-        self.shape_pdf(from, wi, hit) * self.light_chance(u32::from(light))
+        self.pdf_of_chosen(u32::from(light), self.shape_pdf(from, wi, hit))
     }
 
     /// The same if the light is chosen already.

@@ -11,6 +11,7 @@ mod arrange;
 mod baked;
 mod builder;
 pub mod builtin;
+mod cells;
 mod check;
 mod distant;
 mod emit;
@@ -18,7 +19,6 @@ mod lights;
 mod power;
 mod prospect;
 mod query;
-mod shade;
 mod vertex;
 
 use crate::bvh::Node;
@@ -27,8 +27,8 @@ use crate::light::{Environment, Light};
 use crate::material::{Material, Texture};
 use crate::shape::{Blob, Geometry, Grid, Triangles};
 
+use cells::Cells;
 use distant::Ball;
-use shade::Shade;
 
 pub use ahead::{Ahead, ShapeSet};
 pub use arrange::{Arrangement, Boxed, arrange};
@@ -38,6 +38,7 @@ pub use baked::{
     TextureRecord, Whole, WholeHead,
 };
 pub use builder::{Borrowed, MaterialId, SceneBuilder};
+pub use cells::Cell;
 pub use check::SceneError;
 pub use prospect::Prospect;
 pub use query::Seen;
@@ -110,7 +111,7 @@ pub struct Scene<'a> {
     depth: usize,
     /// Around the finite shapes.
     ball: Option<Ball>,
-    shade: Shade<'a>,
+    cells: Cells<'a>,
 }
 
 /// Where a ray met something.

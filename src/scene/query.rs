@@ -44,6 +44,15 @@ impl Scene<'_> {
         nearest.hit
     }
 
+    /// [`Self::closest`] of a ray that leaves shape number `from`: from cell to cell, if they are told ([`Self::foresee`]).
+    #[cfg_attr(narrow_mul, inline(never))]
+    pub fn closest_from(&self, ray: &Ray, from: u16) -> Option<Hit> {
+        match self.closest_in_cells(ray, from) {
+            Some(found) => found,
+            None => self.closest(ray),
+        }
+    }
+
     /// [`Self::closest`] of a ray that meets nothing but what is in `among`.
     #[inline]
     pub fn closest_among(&self, ray: &Ray, among: ShapeSet) -> Option<Hit> {
@@ -254,7 +263,7 @@ impl Scene<'_> {
 
     /// Distance to the first crossing with anything but a mesh.
     #[inline]
-    fn form(&self, geometry: &Geometry, ray: &Ray, t_max: i32) -> Option<i32> {
+    pub(super) fn form(&self, geometry: &Geometry, ray: &Ray, t_max: i32) -> Option<i32> {
         match geometry {
             Geometry::Implicit(solid) => solid.intersect(self.parts.blobs, ray, t_max),
             form => form.intersect(ray, t_max),
@@ -350,7 +359,7 @@ impl Scene<'_> {
 
 impl Hit {
     #[inline]
-    fn of_form(shape: usize, t: i32) -> Hit {
+    pub(super) fn of_form(shape: usize, t: i32) -> Hit {
         Hit {
             t,
             shape: shape as u16,

@@ -61,8 +61,9 @@ fn text(header: &Header, rows: &[Value]) -> Result<String> {
         header.date, header.commit, header.tools
     );
     text += "What a Pico draws, 240 × 240 pixels, `direct`, one sample a pixel, by one core; *paths*: the Cornell box by `path`,\n\
-        five segments at most, by `Scene::foresee_shade` with 2 KB, which counts. Instructions a pixel, and cycles of a\n\
-        Cortex-M0+ without wait states, counted in QEMU. Each instruction belongs to the stage of the function that it was inlined into; arithmetic belongs to who asked for it.\n\
+        five segments at most, by `Scene::foresee` with 4 KB, which counts. Instructions a pixel, and cycles of a Cortex-M0+\n\
+        without wait states, counted in QEMU. Each instruction belongs to the stage of the function that it was inlined into;\n\
+        arithmetic belongs to who asked for it.\n\
         *Surface*: what a hit's place is like, and where rays leave it; *film, display*: loop over pixels, tone map, dither,\n\
         RGB565; *none*: what the compiler names no function for.\n";
     let mut scenes: Vec<&str> = Vec::new();

@@ -16,7 +16,7 @@ use firmware_common::{
     stage::{COUNTED, Cornell, Pedestal, Stage},
     tile::{PASSES, PIXELS, Painter, SQUARE},
 };
-use microlux::{integrator::Path, num::Crc, scene::ShapeSet};
+use microlux::{integrator::Path, num::Crc, scene::Cell};
 #[cfg(target_arch = "riscv32")]
 use riscv_rt::entry;
 use semihosting::process;
@@ -49,10 +49,10 @@ fn cornell(id: u32, path: Path) {
     let Ok((mut scene, camera)) = cornell.scene() else {
         refuse()
     };
-    // For long paths what may shade what is told ahead, which counts.
-    let mut cells = [ShapeSet::ALL; 512];
+    // For long paths what is where, and what may shade it, is told ahead, which counts.
+    let mut cells = [Cell::UNKNOWN; 512];
     if path.max_depth > 2 {
-        scene = region::count(id, || scene.foresee_shade(&mut cells));
+        scene = region::count(id, || scene.foresee(&mut cells));
     }
     let stage = Stage {
         scene: &scene,
