@@ -89,14 +89,6 @@ impl<'a> Lines<'a> {
             && !(shines(a[0]) || shines(b[0]) || shines(c[0]) || shines(d[0]));
         let parts = lights.map(|light| mean.parts(light));
         let is_even = is_one && seen == 0;
-        let sums = if is_even {
-            // 9 : 3 : 3 : 1, across and then down.
-            let three = |near: [u32; 3], far: [u32; 3]| [0, 1, 2].map(|i| 3 * near[i] + far[i]);
-            let (left, right) = (three(parts[0], parts[1]), three(parts[2], parts[3]));
-            [three(left, right), three(right, left)]
-        } else {
-            [[0; 3]; 2]
-        };
         Four {
             columns: [
                 Column {
@@ -111,7 +103,6 @@ impl<'a> Lines<'a> {
             mean,
             is_one,
             is_painted_alike,
-            sums,
             is_even,
         }
     }
@@ -144,8 +135,6 @@ pub(super) struct Four<'a> {
     is_painted_alike: bool,
     /// Whether all are alike but for their light.
     is_even: bool,
-    /// If so, sixteen times what a pixel of theirs is, the left one and the right one.
-    sums: [[u32; 3]; 2],
 }
 
 impl Four<'_> {
@@ -154,12 +143,15 @@ impl Four<'_> {
     pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Radiance {
         let right = usize::from(x.is_multiple_of(2));
         let [seen, looks] = words(guide);
-        let first = self.columns[0].pixels[0];
+        let (near, far) = (&self.columns[right], &self.columns[1 - right]);
+        let first = near.pixels[0];
         if self.is_even && looks == words(first)[1] && guide.depth == first.depth && !shines(seen) {
-            let (bits, exponent) = self.mean.shifted(self.sums[right], 4);
+            // 9 : 3 : 3 : 1, down and then across.
+            let three = |near: [u32; 3], far: [u32; 3]| [0, 1, 2].map(|i| 3 * near[i] + far[i]);
+            let down = |column: &Column| three(column.parts[0], column.parts[1]);
+            let (bits, exponent) = self.mean.shifted(three(down(near), down(far)), 4);
             return Radiance::from_bits(bits, exponent);
         }
-        let (near, far) = (&self.columns[right], &self.columns[1 - right]);
         let pixels = [near.pixels[0], far.pixels[0], near.pixels[1], far.pixels[1]];
         let parts = [near.parts[0], far.parts[0], near.parts[1], far.parts[1]];
         let [a, b, c, d] = pixels;
