@@ -3,7 +3,7 @@
 use super::Scene;
 use super::arrange::shape_bounds;
 use crate::bvh::{Child, SCENE_PAD, primitives};
-use crate::geom::{Beam, Dir, Point};
+use crate::geom::{Beam, Point};
 use crate::light::Light;
 use crate::shape::{Bounds, Disk, Geometry, Rectangle};
 use core::num::NonZeroU32;
@@ -28,10 +28,10 @@ impl ShapeSet {
     /// Any shape.
     pub const ALL: ShapeSet = ShapeSet(NonZeroU32::MIN);
 
-    pub(super) const NONE: ShapeSet = ShapeSet(NAMED);
+    const NONE: ShapeSet = ShapeSet(NAMED);
 
     /// One shape more, before the others; `None` where there is no room for it.
-    pub(super) fn with(self, index: usize, geometry: &Geometry) -> Option<ShapeSet> {
+    fn with(self, index: usize, geometry: &Geometry) -> Option<ShapeSet> {
         let names = self.0.get() & (MESH - 1);
         let is_full = names >> (NAME * (MOST as u32 - 1)) != 0;
         if is_full || index + 1 >= 1 << NAME {
@@ -194,14 +194,8 @@ impl Scene<'_> {
             let may_shade = |patch: &Patch| {
                 patch.extent.union(&lights).meets(extent)
                     && !patch.extent.is_beside(&lights, extent)
-                    && match shape.geometry {
-                        Geometry::Rectangle(Rectangle { center, normal, .. })
-                        | Geometry::Disk(Disk { center, normal, .. }) => {
-                            usize::from(patch.shape) != index
-                                && !self.is_aside(center, normal, from, [&patch.extent, &lights])
-                        }
-                        _ => true,
-                    }
+                    && (usize::from(patch.shape) != index || !is_flat(&shape.geometry))
+                    && !self.is_aside(&shape.geometry, from, [&patch.extent, &lights])
             };
             // A flat light's rays end before it.
             let is_end = self.light_count == 1 && shape.light.is_some() && is_flat(&shape.geometry);
@@ -244,8 +238,13 @@ impl Scene<'_> {
         None
     }
 
-    /// Whether two boxes lie on one side of a plane.
-    pub(super) fn is_aside(&self, center: Point, normal: Dir, from: [i32; 3], boxes: [&Extent; 2]) -> bool {
+    /// Whether two boxes lie on one side of a flat shape's plane; not of any other shape.
+    pub(super) fn is_aside(&self, geometry: &Geometry, from: [i32; 3], boxes: [&Extent; 2]) -> bool {
+        let (Geometry::Rectangle(Rectangle { center, normal, .. })
+        | Geometry::Disk(Disk { center, normal, .. })) = *geometry
+        else {
+            return false;
+        };
         let normal = normal.0.map(|c| c >> 2);
         let center = self.place(center, from).along(normal);
         // A normal's rounding is worth 2^15·√3 · √3 / 2^14 steps, of the three of 4.
@@ -277,7 +276,7 @@ pub(super) fn is_flat(geometry: &Geometry) -> bool {
 }
 
 impl Extent {
-    pub(super) const EMPTY: Extent = Extent {
+    const EMPTY: Extent = Extent {
         low: [i32::MAX; 3],
         high: [i32::MIN; 3],
     };

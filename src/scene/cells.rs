@@ -4,7 +4,7 @@ use super::ahead::{Extent, MOST, NAME, Patch, is_flat};
 use super::{Hit, Scene, ShapeSet};
 use crate::geom::{Dir, FAR, Offset, Point, Ray};
 use crate::num::{leading_zeros, mul_q16};
-use crate::shape::{Disk, Geometry, Rectangle};
+use crate::shape::Geometry;
 
 /// A cube of the scene's space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,8 +67,8 @@ impl<'a> Scene<'a> {
     /// surfaces there and the lights. Rays then go from cell to cell instead of through the tree, and shadow rays of paths ask
     /// those shapes alone, with the same answers.
     ///
-    /// 8, 64, 512, 4096 or 32,768 of `cells` are used; with fewer than 8, or more than 31 shapes, the scene stays as it is.
-    /// Where more than six may matter, the tree is asked. It takes some thousand instructions a cell, and pays for long paths:
+    /// 8, 64, 512, 4096 or 32,768 of `cells` are used; with fewer than 8, more than 31 shapes or an infinite plane the scene
+    /// stays as it is. Where a mesh is, or more than six shapes may shade, the tree is asked. It takes some thousand instructions a cell, and pays for long paths:
     /// what the camera sees itself is told block by block as it is drawn ([`Self::ahead`]).
     ///
     /// Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987; Haines and Wallace, "Shaft Culling for
@@ -106,20 +106,11 @@ impl<'a> Scene<'a> {
         let (mut inside, mut is_crowded) = (0, false);
         for ((number, shape), extent) in (0..).zip(self.parts.shapes).zip(extents) {
             // Of a flat shape there is something only where its plane goes through.
-            let is_there = extent.meets(cube)
-                && match shape.geometry {
-                    Geometry::Rectangle(Rectangle { center, normal, .. })
-                    | Geometry::Disk(Disk { center, normal, .. }) => {
-                        !self.is_aside(center, normal, from, [cube, cube])
-                    }
-                    Geometry::Mesh(_) | Geometry::Instance(_) => {
-                        inside |= BY_TREE;
-                        true
-                    }
-                    _ => true,
+            if extent.meets(cube) && !self.is_aside(&shape.geometry, from, [cube, cube]) {
+                inside |= match shape.geometry {
+                    Geometry::Mesh(_) | Geometry::Instance(_) => BY_TREE,
+                    _ => 1 << number,
                 };
-            if is_there {
-                inside |= 1 << number;
                 let (extent, near) = (extent.part_in(cube), 0);
                 let patch = Patch {
                     shape: number,
