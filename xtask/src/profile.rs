@@ -234,13 +234,18 @@ mod tests {
             commit: String::new(),
             tools: String::new(),
         };
-        let text = text(&header, &[row("A", Some(200)), row("B", None)]).unwrap();
+        let mut paths = row("RV32IMC", None);
+        paths["scene"] = json!("paths");
+        paths["pixels"] = json!(1);
+        paths["stages"] = json!([stage("none", 14_558 / 4, None)]);
+        let text = text(&header, &[row("A", Some(200)), row("B", None), paths]).unwrap();
         for line in [
             "### box: 2.50 rays a pixel",
             "| stage | A | M0+ cycles | of them | B |",
             "| traversal | 10 | 20 | 25.0 % | 10 |",
             "| **all** | 40 | 80 | 100.0 % | 40 |",
             "Calls of the compiler's library a pixel, A: `memcpy` 0.50.",
+            "First, commit 0637617, instructions a path without tone map and display: RV32IMC 14558, now 0.25 of it.",
         ] {
             assert!(text.lines().any(|found| found == line), "{line}\n{text}");
         }
