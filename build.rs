@@ -1,11 +1,11 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
-//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `layers` where it has the network's,
-//! `gathers` where it adds up its filter's taps; `normalizes` where it has a vector's direction, `rectangles` where it meets
-//! those.
+//! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `columns` or `layers` where it has the
+//! network's, `gathers` where it adds up its filter's taps; `normalizes` where it has a vector's direction, `rectangles` where
+//! it meets those.
 
 fn main() {
     println!(
-        "cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, layers, gathers, normalizes, rectangles)"
+        "cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, columns, layers, gathers, normalizes, rectangles)"
     );
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
@@ -23,6 +23,7 @@ fn main() {
     if has_routines && std::env::var_os("CARGO_FEATURE_ASM").is_some() {
         println!("cargo::rustc-cfg=assembly");
         if is_narrow {
+            println!("cargo::rustc-cfg=columns");
             println!("cargo::rustc-cfg=normalizes");
             println!("cargo::rustc-cfg=rectangles");
         }

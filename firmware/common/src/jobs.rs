@@ -25,7 +25,7 @@ use crate::{
         Kind::{self, Primary},
         Motif,
     },
-    raystones, rectangles, region, sums,
+    raystones, rectangles, region,
 };
 
 /// A piece of work with one fingerprint, the same on every target.
@@ -108,11 +108,10 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 7] = [
+const OWN: [Job; 6] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),
-    Job::machine("sums", sums::run),
     Job::machine("meshes", meshes::run),
     Job::machine("normalize", normalize::run),
     Job::machine("rectangles", rectangles::run),

@@ -27,6 +27,5 @@ pub mod raystones;
 mod rectangles;
 pub mod region;
 pub mod stage;
-mod sums;
 pub mod text;
 pub mod tile;

@@ -1,13 +1,20 @@
-use super::layer::Packed;
-use super::{CHANNELS, HEAD, INPUTS, Input, LEVELS, Network, Scratch, Shape, exposure};
+use super::input::see;
+use super::{CHANNELS, HEAD, Input, LEVELS, Network, Packed, Scratch, Seen, Shape, exposure, seen};
 use crate::film::Feature;
 use crate::film::denoise::Pair;
-use zerocopy::IntoBytes;
+use zerocopy::{FromBytes, IntoBytes};
 
 impl Network<'_> {
     /// The heads of all sizes, from what `input` says of pixel number i.
     pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
-        self.extract_by(pair, |at, _| input(at));
+        self.extract_by(pair, |first, row| {
+            let mut before = None;
+            for (at, place) in (first..).zip(row) {
+                let [bright, still @ ..] = input(at).words();
+                *place = seen(bright, still, before != Some(still));
+                before = Some(still);
+            }
+        });
     }
 
     /// The heads of all sizes of a frame, from how many `samples` are in pixel number i's mean.
@@ -18,15 +25,14 @@ impl Network<'_> {
         samples: impl Fn(usize) -> u32 + Sync,
     ) {
         let exposure = exposure(frame);
-        self.extract_by(pair, |at, before| {
-            let pixel = |at: usize| frame.get(at).copied().unwrap_or_default();
-            let before = before.map(|seen| (pixel(at - 1), seen));
-            Input::beside(&pixel(at), samples(at), exposure, before)
+        self.extract_by(pair, |first, row| {
+            let frame = frame.get(first..).unwrap_or(&[]);
+            see(frame, |x| samples(first + x), exposure, row);
         });
     }
 
-    /// From what `input` says of pixel number i and, if there is one, what it said of the pixel before in the row.
-    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, Option<Input>) -> Input + Sync) {
+    /// From what `input` makes of a row from pixel number i on.
+    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, &mut [Seen]) + Sync) {
         let Network {
             weights,
             shape,
@@ -45,22 +51,17 @@ impl Network<'_> {
         let (packed, _) = weights.pack(0, words);
         let width = shape[0].width;
         let see = |y: usize, _: &[u8], row: &mut [u8]| {
-            let mut before = None;
-            for (x, pixel) in row.as_chunks_mut().0.iter_mut().enumerate() {
-                let seen = input(y * width + x, before);
-                *pixel = seen.0;
-                before = Some(seen);
-            }
+            // Whole ones, and words where they are: the cast cannot fail.
+            input(y * width, <[Seen]>::mut_from_bytes(row).unwrap_or(&mut []));
         };
-        // The finest activations stand where their row's heads will.
-        let keep = |row: &[u8], place: &mut [u8]| place[..row.len()].copy_from_slice(row);
         let layer = Convolution {
             packed,
             shape: shape[0],
-            inputs: INPUTS,
+            inputs: size_of::<Seen>(),
             outputs: CHANNELS[0],
         };
-        layer.run(pair, &mut rings, activations[0], see, keep);
+        // The finest activations stand where their row's heads will.
+        layer.run(pair, &mut rings, activations[0], see, None);
         for level in 1..LEVELS {
             let (packed, _) = weights.pack(level, words);
             let [fine, coarse] = neighbours(&mut activations, level - 1);
@@ -73,7 +74,7 @@ impl Network<'_> {
                 inputs,
                 outputs: CHANNELS[level],
             };
-            layer.run(pair, &mut rings, coarse, pool, keep);
+            layer.run(pair, &mut rings, coarse, pool, None);
         }
 
         // Once more at the coarsest size, in place.
@@ -86,7 +87,7 @@ impl Network<'_> {
             outputs: CHANNELS[bottom],
         };
         let fill = |_: usize, own: &[u8], row: &mut [u8]| row.copy_from_slice(own);
-        layer.run(pair, &mut rings, activations[bottom], fill, keep);
+        layer.run(pair, &mut rings, activations[bottom], fill, None);
 
         // Up: the coarser size and this one's own activations merged, convolved in place; the finest heads on the way.
         for level in (0..bottom).rev() {
@@ -97,7 +98,13 @@ impl Network<'_> {
             let coarse_row = coarse_inputs * shape[level + 1].width;
             let fill = |y: usize, own_row: &[u8], row: &mut [u8]| {
                 let above = &coarse[(y >> 1) * coarse_row..][..coarse_row];
-                merge.merge(above, coarse_inputs, &own_row[..row.len()], row);
+                merge.merge(
+                    above,
+                    coarse_inputs,
+                    &own_row[..row.len()],
+                    shape[level].width,
+                    row,
+                );
             };
             let layer = Convolution {
                 packed,
@@ -106,21 +113,18 @@ impl Network<'_> {
                 outputs: own,
             };
             if level > 0 {
-                layer.run(pair, &mut rings, fine, fill, keep);
+                layer.run(pair, &mut rings, fine, fill, None);
             } else {
                 let (head, _) = weights.pack(11, rest);
-                let keep = |row: &[u8], place: &mut [u8]| {
-                    head.heads(row, place.as_chunks_mut().0);
-                };
-                layer.run(pair, &mut rings, fine, fill, keep);
+                layer.run(pair, &mut rings, fine, fill, Some(&head));
             }
         }
 
         // The coarser heads: those of a quarter of the size after those of half of it, the others in their activations' place.
         let (eighth, quarter) = coarse.as_mut_bytes().split_at_mut(count(3));
-        squeeze(&weights.pack(14, words).0, eighth);
+        weights.pack(14, words).0.squeeze(eighth);
         let half = near.as_mut_bytes();
-        squeeze(&weights.pack(12, words).0, &mut half[..count(1)]);
+        weights.pack(12, words).0.squeeze(&mut half[..count(1)]);
         let (_, places) = half.split_at_mut(HEAD * shape[1].pixels());
         let (head, _) = weights.pack(13, words);
         let (places, _) = places.as_chunks_mut();
@@ -140,14 +144,6 @@ impl Network<'_> {
     }
 }
 
-/// Activations to heads, from the start on: none is narrower than a head.
-fn squeeze(head: &Packed, activations: &mut [u8]) {
-    for at in 0..activations.len() / head.inputs {
-        let made = head.head(&activations[at * head.inputs..][..head.inputs]);
-        activations[at * HEAD..][..HEAD].copy_from_slice(&made);
-    }
-}
-
 /// The parts at `level` and `level + 1`.
 fn neighbours<'p>(parts: &'p mut [&mut [u8]; LEVELS], level: usize) -> [&'p mut [u8]; 2] {
     let (fine, coarse) = parts.split_at_mut(level + 1);
@@ -163,17 +159,18 @@ struct Convolution<'a> {
 }
 
 impl Convolution<'_> {
-    /// Runs over the rows of `plane`, which hold outputs afterwards and have room for as much at least: `fill` makes the
-    /// layer's input of row number y and of what stands in that row, and `keep` puts its output there.
+    /// Runs over the rows of `plane`, which hold outputs or their heads afterwards and have room for as much at least: `fill`
+    /// makes the layer's input of row number y and of what stands in that row.
     ///
-    /// A row is put when it and the next were read, and each half's nearest row is read before the other half begins.
+    /// A row's outputs are made when it and the next were read, and each half's nearest row is read before the other half
+    /// begins.
     fn run(
         &self,
         pair: &impl Pair,
         rings: &mut [&mut [u8]; 2],
         plane: &mut [u8],
         fill: impl Fn(usize, &[u8], &mut [u8]) + Sync,
-        keep: impl Fn(&[u8], &mut [u8]) + Sync,
+        head: Option<&Packed>,
     ) {
         let Shape { width, height } = self.shape;
         let (seen, made, line) = (self.inputs * width, self.outputs * width, plane.len() / height);
@@ -182,36 +179,40 @@ impl Convolution<'_> {
         let [one, two] = rings.each_mut().map(|ring| Ring::new(ring, seen, made));
         if half < height {
             fill(half, &lower[..line], &mut *one.beyond);
-            fill(
-                half - 1,
-                &upper[(half - 1) * line..],
-                &mut two.rows[(half - 1) % 3 * seen..][..seen],
-            );
+            fill(half - 1, &upper[(half - 1) * line..], &mut *two.rows[0]);
         }
         let band = |first: usize, rows: &mut [u8], ring: Ring| {
             let Ring {
-                rows: near,
+                rows: [mut above, mut at, mut below],
                 beyond,
                 out,
             } = ring;
-            let at = |y: usize| y % 3 * seen..(y % 3 + 1) * seen;
-            let end = first + rows.len() / line;
-            for y in first..end {
-                if y == first {
-                    fill(y, &rows[..line], &mut near[at(y)]);
+            if let Some(row) = rows.get(..line) {
+                fill(first, row, at);
+            }
+            let mut rest = rows;
+            let mut y = first;
+            while let Some((row, next)) = rest.split_at_mut_checked(line) {
+                let is_last = y + 1 == height;
+                if !next.is_empty() {
+                    fill(y + 1, &next[..line], below);
+                } else if !is_last {
+                    below.copy_from_slice(beyond);
                 }
-                if y + 1 < end {
-                    fill(
-                        y + 1,
-                        &rows[(y + 1 - first) * line..][..line],
-                        &mut near[at(y + 1)],
-                    );
-                } else if y + 1 < height {
-                    near[at(y + 1)].copy_from_slice(beyond);
+                let three = [
+                    if y == 0 { &*at } else { &*above },
+                    &*at,
+                    if is_last { &*at } else { &*below },
+                ];
+                if let Some(head) = head {
+                    self.packed.convolve(three, width, out);
+                    head.heads(out, row.as_chunks_mut().0);
+                } else {
+                    self.packed.convolve(three, width, &mut row[..made]);
                 }
-                let three = [y.saturating_sub(1), y, (y + 1).min(height - 1)];
-                self.packed.convolve(three.map(|y| &near[at(y)]), out);
-                keep(out, &mut rows[(y - first) * line..][..line]);
+                (above, at, below) = (at, below, above);
+                rest = next;
+                y += 1;
             }
         };
         pair.both(|| band(0, upper, one), || band(half, lower, two));
@@ -220,8 +221,8 @@ impl Convolution<'_> {
 
 /// A worker's rows.
 struct Ring<'a> {
-    /// Three inputs; row y is number y modulo 3.
-    rows: &'a mut [u8],
+    /// Three inputs: above, at and below.
+    rows: [&'a mut [u8]; 3],
     /// The input below the worker's last row.
     beyond: &'a mut [u8],
     /// An output.
@@ -230,10 +231,12 @@ struct Ring<'a> {
 
 impl<'a> Ring<'a> {
     fn new(bytes: &'a mut [u8], seen: usize, made: usize) -> Ring<'a> {
-        let (rows, rest) = bytes.split_at_mut(3 * seen);
+        let (above, rest) = bytes.split_at_mut(seen);
+        let (at, rest) = rest.split_at_mut(seen);
+        let (below, rest) = rest.split_at_mut(seen);
         let (beyond, rest) = rest.split_at_mut(seen);
         Ring {
-            rows,
+            rows: [above, at, below],
             beyond,
             out: &mut rest[..made],
         }

@@ -1,3 +1,5 @@
+use super::{Seen, seen};
+use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::weight::luma_code;
 use crate::film::feature::DEPTH_NOTHING;
@@ -14,43 +16,14 @@ pub struct Input(pub(super) [u8; INPUTS]);
 impl Input {
     /// Of a pixel's feature, how many samples are in its mean (0 counts as 1), and the frame's [`exposure`].
     pub fn new(feature: &Feature, samples: u32, exposure: i32) -> Input {
-        Input::beside(feature, samples, exposure, None)
-    }
-
-    /// The same, where another pixel's is known, which often looks the same way.
-    #[inline(always)]
-    pub(super) fn beside(
-        feature: &Feature,
-        samples: u32,
-        exposure: i32,
-        other: Option<(Feature, Input)>,
-    ) -> Input {
-        let i = scaled(feature, exposure).map(|c| logarithm((1 << 12) + (u32::from(c) << 3), 12, 9));
-        let a = feature.albedo.map(|c| c >> 2);
-        let n = match other {
-            Some((other, Input([.., x, y, z, _, _]))) if other.normal == feature.normal => [x, y, z],
-            _ => direction(feature.normal),
-        };
-        let s = logarithm(samples.max(1), 0, 9);
-        // A sky is one, wherever it is seen.
-        let depth = if feature.shows_nothing() {
-            DEPTH_NOTHING
-        } else {
-            feature.depth
-        };
-        Input([
-            i[0],
-            i[1],
-            i[2],
-            a[0],
-            a[1],
-            a[2],
-            n[0],
-            n[1],
-            n[2],
-            depth >> 2,
-            s,
-        ])
+        let [x, y, z] = direction(feature.normal).map(u32::from);
+        let words = [
+            bright(feature, exposure.clamp(-8, 8)),
+            matt(feature) | x << 24,
+            y | z << 8 | counted(samples) << 16,
+        ];
+        let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] = words.map(u32::to_le_bytes);
+        Input([i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s])
     }
 
     /// Of the numbers themselves; those over 63 count as 63.
@@ -61,6 +34,72 @@ impl Input {
     pub fn to_bits(self) -> [u8; INPUTS] {
         self.0
     }
+
+    /// As [`seen`] takes it.
+    pub(super) fn words(self) -> [u32; 3] {
+        let [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s] = self.0;
+        [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, 0]].map(u32::from_le_bytes)
+    }
+}
+
+/// A row of [`Input`]s, of the `frame` from its first pixel on, and of no samples where there is none; `samples` are in the mean
+/// of the row's pixel number i.
+pub(super) fn see(frame: &[Feature], samples: impl Fn(usize) -> u32, exposure: i32, row: &mut [Seen]) {
+    let (row, rest) = row.split_at_mut(row.len().min(frame.len()));
+    let mut before: Option<(&Feature, u32)> = None;
+    let mut still = [0; 2];
+    for (x, (pixel, place)) in frame.iter().zip(row).enumerate() {
+        let samples = samples(x);
+        // Pixels side by side often look the same way, and are of one thing.
+        let turned = before.is_none_or(|(other, _)| other.normal != pixel.normal);
+        let differs = turned || before.is_none_or(|(other, n)| n != samples || matt(other) != matt(pixel));
+        if differs {
+            if turned {
+                let [x, y, z] = direction(pixel.normal).map(u32::from);
+                still = [x << 24, y | z << 8];
+            }
+            still = [
+                (still[0] & 0xff << 24) | matt(pixel),
+                (still[1] & 0xffff) | counted(samples) << 16,
+            ];
+        }
+        *place = seen(bright(pixel, exposure), still, differs);
+        before = Some((pixel, samples));
+    }
+    let [bright, still @ ..] = Input::new(&Feature::default(), 0, exposure).words();
+    rest.fill(seen(bright, still, true));
+}
+
+/// Bytes: the logarithm of irradiance, depth. A sky is one, wherever it is seen.
+#[inline(always)]
+fn bright(feature: &Feature, exposure: i32) -> u32 {
+    let depth = if feature.shows_nothing() {
+        DEPTH_NOTHING
+    } else {
+        feature.depth
+    };
+    logarithms(feature.irradiance, exposure) | u32::from(depth >> 2) << 24
+}
+
+/// Bytes: the logarithm of irradiance. A core of few registers has them for it.
+#[cfg_attr(narrow_mul, inline(never))]
+#[cfg_attr(not(narrow_mul), inline(always))]
+fn logarithms(irradiance: Rgb9e5, exposure: i32) -> u32 {
+    // Within seven octaves.
+    let [r, g, b] = scaled(irradiance, exposure).map(|c| logarithm((1 << 12) + (c << 3), 12));
+    r | g << 8 | b << 16
+}
+
+/// Bytes: albedo.
+#[inline(always)]
+fn matt(feature: &Feature) -> u32 {
+    let [r, g, b] = feature.albedo;
+    u32::from_le_bytes([r, g, b, feature.depth]) >> 2 & 0x3f_3f3f
+}
+
+/// The logarithm of how many samples there are.
+fn counted(samples: u32) -> u32 {
+    logarithm(samples.max(1), 0).min(63)
 }
 
 /// [−1, 1] onto 0 ..= 63, rounded.
@@ -72,7 +111,7 @@ fn direction(normal: Octahedral) -> [u8; 3] {
 
 /// A pixel's irradiance as the filter takes it: Q12, at most 16.
 pub fn irradiance(feature: &Feature) -> [u16; 3] {
-    scaled(feature, 0)
+    scaled(feature.irradiance, 0).map(|c| c as u16)
 }
 
 /// By how many octaves the network sees a frame brighter than it is, so that what is seen in it has a luminance of about
@@ -91,37 +130,35 @@ pub fn exposure(frame: &[Feature]) -> i32 {
     }
 }
 
-/// `exposure` octaves brighter, Q12, at most 16.
-fn scaled(feature: &Feature, exposure: i32) -> [u16; 3] {
-    let (mantissas, exponent) = feature.irradiance.to_parts();
-    let shift = exponent + 12 + exposure.clamp(-8, 8);
+/// `exposure` octaves brighter, of −8 ..= 8, Q12, at most 16.
+#[inline(always)]
+fn scaled(irradiance: Rgb9e5, exposure: i32) -> [u32; 3] {
+    let (mantissas, exponent) = irradiance.to_parts();
+    let shift = exponent + 12 + exposure;
     mantissas.map(|m| {
         // raw: mantissas have 9 bits.
         if shift >= 0 {
-            (m << shift.min(16)).min(0xffff) as u16
+            (m << shift.min(16)).min(0xffff)
         } else {
-            ((((m << 1) >> shift.unsigned_abs().min(31)) + 1) >> 1) as u16
+            (((m << 1) >> shift.unsigned_abs().min(31)) + 1) >> 1
         }
     })
 }
 
-/// `steps` · log2(x / 2^`one`), rounded down, within 0 ..= 63; between powers of two a straight line (0.086 of an octave
-/// off at most).
-fn logarithm(x: u32, one: u32, steps: u32) -> u8 {
-    if x <= 1 << one {
-        return 0;
-    }
-    let zeros = leading_zeros(x);
-    // Q16: whole octaves, and how far to the next.
-    let fraction = (x << zeros << 1) >> 16;
-    let log = ((31 - zeros - one) << 16) + fraction;
-    ((log * steps) >> 16).min(63) as u8
+/// 9 · log2(x / 2^`one`) of an x that is not under 2^`one`, rounded down; between powers of two a straight line (0.086 of an
+/// octave off at most).
+#[inline(always)]
+fn logarithm(x: u32, one: u32) -> u32 {
+    let zeros = leading_zeros(x >> one);
+    // Q16: an octave, and how far to the next; then whole octaves.
+    let fraction = (x << (zeros - one)) >> 15;
+    ((fraction + (30 << 16) - (zeros << 16)) * 9) >> 16
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::{Radiance, Rgb9e5};
+    use crate::color::Radiance;
     use crate::film::feature::{ID_NOTHING, first_id};
     use crate::geom::{Dir, Octahedral};
 

@@ -22,13 +22,17 @@
 //! bit. Weights are 8 bits, activations 6 bits (0 ..= 63 stand for 0 ..= 3.94), sums 16 bits, two to a word: see
 //! [`Weights::new`]. Nothing panics after [`Network::new`]. By two workers ([`Pair`]) the bits are the same.
 
+#[cfg(columns)]
+mod columns;
 mod extract;
 mod filter;
 mod input;
 mod last;
 mod layer;
 mod neural;
-#[cfg(not(layers))]
+#[cfg(not(columns))]
+mod packed;
+#[cfg(not(any(layers, columns)))]
 mod plain;
 mod weights;
 
@@ -37,6 +41,11 @@ pub use input::{INPUTS, Input, exposure, irradiance};
 pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError, layers};
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
+
+#[cfg(columns)]
+use columns::{Packed, Seen, seen};
+#[cfg(not(columns))]
+use packed::{Packed, Seen, seen};
 
 use super::Pair;
 
@@ -174,7 +183,7 @@ impl Shape {
 
     /// Bytes of four rows that a worker's convolution looks at and one that it writes, whichever is the most of all sizes.
     const fn ring(width: usize) -> usize {
-        let mut most = (4 * INPUTS + CHANNELS[0]) * width;
+        let mut most = (4 * size_of::<Seen>() + CHANNELS[0]) * width;
         let mut level = 1;
         while level < LEVELS {
             most = max(most, 5 * CHANNELS[level] * Shape::of(width, 1, level).width);

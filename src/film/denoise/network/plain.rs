@@ -1,6 +1,6 @@
 //! Layers as every core can run them.
 
-use super::layer::Run;
+use super::packed::Run;
 use super::{FEATURES, HEAD};
 
 /// Activations of pixels side by side, `outputs` bytes from one to the next: from [`sums`], with their biases.
@@ -50,11 +50,7 @@ fn both<const PAIRS: usize>(sums: &[u32; PAIRS], biases: &[i16]) -> impl Iterato
     both.zip(biases).map(|(sum, &bias)| sum + i32::from(bias))
 }
 
-#[cfg(all(assembly, narrow_mul))]
-use microlux_asm::sums;
-
 /// Products of activations, run by run, with two weights a word, added up modulo 2^32.
-#[cfg(not(all(assembly, narrow_mul)))]
 #[inline(always)]
 fn sums<const PAIRS: usize, const RUNS: usize>(
     runs: [&[u8]; RUNS],
@@ -84,7 +80,6 @@ fn sums<const PAIRS: usize, const RUNS: usize>(
 }
 
 /// A third to two thirds of activations are 0.
-#[cfg(not(all(assembly, narrow_mul)))]
 #[inline(always)]
 fn add<const PAIRS: usize>(sums: &mut [u32; PAIRS], input: u8, words: &[u32; PAIRS]) {
     if input != 0 {

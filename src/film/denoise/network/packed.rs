@@ -1,0 +1,151 @@
+use super::layer::{Layer, Weights, word};
+use super::{HEAD, INPUTS};
+
+/// What the first layer takes of a pixel.
+pub type Seen = [u8; INPUTS];
+
+/// Of the words that an [`Input`](super::Input) is made of.
+#[inline(always)]
+pub fn seen(bright: u32, still: [u32; 2], _: bool) -> Seen {
+    let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] =
+        [bright, still[0], still[1]].map(u32::to_le_bytes);
+    [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s]
+}
+
+impl Weights<'_> {
+    /// Layer `number`, its weights packed into the front of `words`; and the rest of those.
+    pub(super) fn pack<'w>(&self, number: usize, words: &'w mut [u32]) -> (Packed<'w>, &'w mut [u32])
+    where
+        Self: 'w,
+    {
+        let (
+            Layer {
+                taps,
+                inputs,
+                outputs,
+            },
+            weights,
+            biases,
+        ) = self.layer(number);
+        let (front, rest) = words.split_at_mut(taps * inputs * outputs / 2);
+        let (weights, _) = weights.as_chunks::<2>();
+        let by = pairs(outputs);
+        for (pass, words) in front.chunks_exact_mut(taps * inputs * by).enumerate() {
+            let words = words.chunks_exact_mut(by);
+            for (words, pairs) in words.zip(weights.chunks_exact(outputs / 2)) {
+                for (place, pair) in words.iter_mut().zip(&pairs[pass * by..]) {
+                    *place = word(*pair);
+                }
+            }
+        }
+        let packed = Packed {
+            words: front,
+            biases,
+            taps,
+            inputs,
+        };
+        (packed, rest)
+    }
+}
+
+/// Words of sums that one pass over a pixel's inputs makes: no more than a small core has registers for.
+const fn pairs(outputs: usize) -> usize {
+    match outputs {
+        4 => 2,
+        12 => 3,
+        _ => 4,
+    }
+}
+
+/// A layer ready to run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Packed<'a> {
+    /// Pass by pass; in a pass as the weights lie in their table.
+    words: &'a [u32],
+    biases: &'a [i16],
+    taps: usize,
+    inputs: usize,
+}
+
+impl Packed<'_> {
+    /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
+    pub fn convolve(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
+        match pairs(self.biases.len()) {
+            2 => self.convolve_by::<2>(rows, width, out),
+            3 => self.convolve_by::<3>(rows, width, out),
+            _ => self.convolve_by::<4>(rows, width, out),
+        }
+    }
+
+    fn convolve_by<const PAIRS: usize>(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
+        let (inputs, outputs) = (self.inputs, self.biases.len());
+        let mut edge = |x: usize| {
+            let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+            let run = |i: usize| (&rows[i / 3][columns[i % 3] * inputs..][..inputs], inputs, 0);
+            self.pixels::<PAIRS, 9>(core::array::from_fn(run), &mut out[x * outputs..][..outputs]);
+        };
+        edge(0);
+        edge(width - 1);
+        if width > 2 {
+            let runs = rows.map(|row| (row, 3 * inputs, inputs));
+            self.pixels::<PAIRS, 3>(runs, &mut out[outputs..(width - 1) * outputs]);
+        }
+    }
+
+    /// 1 × 1 over each pixel of a row, and the pixel of the coarser size above it; activations out.
+    pub fn merge(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], _: usize, out: &mut [u8]) {
+        match pairs(self.biases.len()) {
+            2 => self.merge_by::<2>(coarse, coarse_inputs, fine, out),
+            3 => self.merge_by::<3>(coarse, coarse_inputs, fine, out),
+            _ => self.merge_by::<4>(coarse, coarse_inputs, fine, out),
+        }
+    }
+
+    fn merge_by<const PAIRS: usize>(&self, coarse: &[u8], coarse_inputs: usize, fine: &[u8], out: &mut [u8]) {
+        let fine_inputs = self.inputs - coarse_inputs;
+        let coarse = coarse.chunks_exact(coarse_inputs);
+        let fine = fine.chunks(2 * fine_inputs);
+        // Two pixels have the same coarser one.
+        let outs = out.chunks_mut(2 * self.biases.len());
+        for ((coarse, fine), out) in coarse.zip(fine).zip(outs) {
+            let runs = [(coarse, coarse_inputs, 0), (fine, fine_inputs, fine_inputs)];
+            self.pixels::<PAIRS, 2>(runs, out);
+        }
+    }
+
+    /// Activations of pixels side by side, pass by pass: see [`activations`].
+    #[inline(always)]
+    fn pixels<const PAIRS: usize, const RUNS: usize>(&self, runs: [Run; RUNS], out: &mut [u8]) {
+        let (words, _) = self.words.as_chunks::<PAIRS>();
+        let biases = self.biases.chunks_exact(2 * PAIRS);
+        let passes = words.chunks_exact(self.taps * self.inputs);
+        for (pass, (biases, words)) in biases.zip(passes).enumerate() {
+            let out = out.get_mut(pass * 2 * PAIRS..).unwrap_or(&mut []);
+            activations(runs, words, biases, out, self.biases.len());
+        }
+    }
+
+    /// The heads of pixels side by side: features in eighths, confidence and blend in 256ths about ½.
+    pub fn heads(&self, pixels: &[u8], out: &mut [[u8; HEAD]]) {
+        let (words, _) = self.words.as_chunks::<{ HEAD / 2 }>();
+        heads(pixels, self.inputs, words, self.biases, out);
+    }
+
+    /// The same in the activations' place, from the start on: none is narrower than a head.
+    pub fn squeeze(&self, activations: &mut [u8]) {
+        for at in 0..activations.len() / self.inputs {
+            let mut head = [[0; HEAD]];
+            self.heads(&activations[at * self.inputs..][..self.inputs], &mut head);
+            activations[at * HEAD..][..HEAD].copy_from_slice(&head[0]);
+        }
+    }
+}
+
+/// A run of activations of each of several pixels: the bytes, how many of them each pixel has, and how many further the next
+/// one's begin.
+pub(super) type Run<'a> = (&'a [u8], usize, usize);
+
+#[cfg(not(layers))]
+use super::plain::{activations, heads};
+#[cfg(layers)]
+use microlux_asm::{activations, heads};
