@@ -247,13 +247,90 @@ impl<'a> Ring<'a> {
 ///
 /// `line` is how many bytes lie between rows.
 fn pool(fine: &[u8], line: usize, channels: usize, shape: Shape, y: usize, row: &mut [u8]) {
-    let upper = &fine[2 * y * line..][..line];
-    let lower = &fine[(2 * y + 1).min(shape.height - 1) * line..][..line];
+    let upper = &fine[2 * y * line..][..channels * shape.width];
+    let lower = &fine[(2 * y + 1).min(shape.height - 1) * line..][..channels * shape.width];
+    let words = [upper, lower].map(<[u32]>::ref_from_bytes);
+    if let ([Ok(upper), Ok(lower)], Ok(row)) = (words, <[u32]>::mut_from_bytes(row)) {
+        return match channels / 4 {
+            1 => pool_words::<1>([upper, lower], row),
+            2 => pool_words::<2>([upper, lower], row),
+            _ => pool_words::<3>([upper, lower], row),
+        };
+    }
     for (x, out) in row.chunks_exact_mut(channels).enumerate() {
         let (left, right) = (2 * x * channels, (2 * x + 1).min(shape.width - 1) * channels);
         for (c, out) in out.iter_mut().enumerate() {
             let above = upper[left + c].max(upper[right + c]);
             *out = above.max(lower[left + c]).max(lower[right + c]);
+        }
+    }
+}
+
+/// Four channels at once, of pixels of `N` words.
+fn pool_words<const N: usize>(rows: [&[u32]; 2], row: &mut [u32]) {
+    let [(upper, above), (lower, below)] = rows.map(|row| row.as_chunks::<N>().0.as_chunks::<2>());
+    let mut outs = row.as_chunks_mut::<N>().0.iter_mut();
+    for (([a, b], [c, d]), out) in upper.iter().zip(lower).zip(&mut outs) {
+        *out = core::array::from_fn(|i| largest(largest(a[i], b[i]), largest(c[i], d[i])));
+    }
+    // The last of an odd row stands by itself.
+    if let ([a], [b], Some(out)) = (above, below, outs.next()) {
+        *out = core::array::from_fn(|i| largest(a[i], b[i]));
+    }
+}
+
+/// Of four bytes under 128 each.
+#[inline(always)]
+fn largest(a: u32, b: u32) -> u32 {
+    const TOPS: u32 = 0x8080_8080;
+    // No byte borrows from the next; those of a are the larger where the top bit stays.
+    let stays = ((a | TOPS) - b) & TOPS;
+    b ^ ((a ^ b) & (stays - (stays >> 7)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_are_pooled_as_one_is() {
+        let all = [0, 1, 2, 31, 62, 63];
+        for (a, b) in all.iter().flat_map(|a| all.map(|b| (*a, b))) {
+            let largest = largest(
+                u32::from_le_bytes([a, b, 63, 0]),
+                u32::from_le_bytes([b, a, 0, 63]),
+            );
+            let most = a.max(b);
+            assert_eq!(largest.to_le_bytes(), [most, most, 63, 63], "{a} {b}");
+        }
+    }
+
+    /// Bytes that are words, and bytes that are not.
+    #[test]
+    fn wherever_it_lies_a_row_is_pooled() {
+        let mut bytes = [0; 4 * 100];
+        for (at, byte) in bytes.iter_mut().enumerate() {
+            *byte = (at * 37 % 64) as u8;
+        }
+        let mut words = [0u32; 101];
+        let shape = Shape { width: 5, height: 5 };
+        for y in 0..3 {
+            let rows = [0, 1, 4].map(|from| {
+                let fine = &mut words.as_mut_bytes()[from..][..400];
+                fine.copy_from_slice(&bytes);
+                let mut row = [[0u32; 2]; 3];
+                pool(fine, 80, 8, shape, y, row.as_mut_bytes());
+                row
+            });
+            assert!(rows[0] == rows[1] && rows[0] == rows[2], "{y}");
+            let at = |x: usize, y: usize, c: usize| bytes[y.min(4) * 80 + x.min(4) * 8 + c];
+            for (x, pixel) in rows[0].iter().enumerate() {
+                for (c, byte) in pixel.as_bytes().iter().enumerate() {
+                    let four = [(0, 0), (1, 0), (0, 1), (1, 1)];
+                    let four = four.map(|(i, j)| at(2 * x + i, 2 * y + j, c));
+                    assert_eq!(Some(byte), four.iter().max(), "{x} {y} {c}");
+                }
+            }
         }
     }
 }
