@@ -118,10 +118,16 @@ pub fn irradiance(feature: &Feature) -> [u16; 3] {
 /// 1 (geometric mean; what is black or infinitely far away does not count). −8 ..= 8.
 pub fn exposure(frame: &[Feature]) -> i32 {
     let (mut sum, mut count) = (0u64, 0u64);
-    for pixel in frame.iter().filter(|pixel| !pixel.shows_nothing()) {
-        let code = luma_code(pixel.irradiance);
-        sum += u64::from(code);
-        count += u64::from(code > 0);
+    // raw: codes have 8 bits.
+    for pixels in frame.chunks(1 << 16) {
+        let (mut part, mut lit) = (0u32, 0u32);
+        for pixel in pixels.iter().filter(|pixel| !pixel.shows_nothing()) {
+            let code = luma_code(pixel.irradiance);
+            part += u32::from(code);
+            lit += u32::from(code > 0);
+        }
+        sum += u64::from(part);
+        count += u64::from(lit);
     }
     // Eighths of an octave, 1 for 2^-15; whole octaves, to nearest.
     match sum.checked_div(count) {
