@@ -119,7 +119,7 @@ impl Camera {
     }
 
     /// Whether its three directions stand at right angles, to cosines of 2^-13.
-    fn is_square(&self) -> bool {
+    pub(crate) fn is_square(&self) -> bool {
         let [r, u, f] = self.frame();
         [r.dot(u), u.dot(f), f.dot(r)]
             .iter()
@@ -167,6 +167,15 @@ fn density_ahead(tan_half: I12F20, width: u16, height: u16) -> Wide {
 }
 
 impl FilmPlane {
+    pub(crate) const fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Width and height, pixels.
+    pub(crate) const fn size(&self) -> [i32; 2] {
+        [self.half_width >> 16, self.half_height >> 16]
+    }
+
     /// The ray through a place in the pixel; `lens` chooses a place on the lens, if there is one.
     ///
     /// Direction: right to 2^-16 a component.
@@ -298,19 +307,23 @@ impl FilmPlane {
                 .map(|c| if zeros >= 0 { c << zeros } else { c >> -zeros }),
         );
         let depth = v.dot(camera.forward);
+        if depth <= 0 {
+            return None;
+        }
         let tan = camera.tan_half.to_bits();
+        let (per_depth, per_tan) = (recip(depth as u32), recip(tan as u32));
         // A place on the film at distance 1, Q20, as half-pixels from the middle, Q11.
         let across = |axis: Dir, aside: i32| {
             let along = v.dot(axis);
             // Wider than any film.
-            if depth <= 0 || along.abs() >> 6 > depth {
+            if along.abs() >> 6 > depth {
                 return None;
             }
-            let place = recip(depth as u32).times(along, 20).wrapping_add(aside);
+            let place = per_depth.times(along, 20).wrapping_add(aside);
             if place.unsigned_abs() >> 5 > tan as u32 {
                 return None;
             }
-            let share = recip(tan as u32).times(place, 24);
+            let share = per_tan.times(place, 24);
             Some(mul_shift(share, self.half_width >> 16, 13))
         };
         let x = (self.half_width >> 5) + across(camera.right, aside[0])?;

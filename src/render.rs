@@ -1,9 +1,12 @@
 //! Drives it all: [`Renderer::step`] renders one tile and returns.
 
+mod motion;
+
+pub use motion::Motion;
+
 use crate::camera::{Camera, FilmPlane};
 use crate::color::{Radiance, mean_q32};
-use crate::film::denoise::{Before, Reproject};
-use crate::film::feature::{self, DEPTH_NOTHING, Feature, ID_NOTHING, depth_code, depth_distance};
+use crate::film::feature::{self, Feature, ID_NOTHING};
 use crate::film::{Exposure, Tile};
 use crate::integrator::{Features, First, Integrator, NoSplats, Path, SplatSink, View, features, first};
 use crate::num::Uniform;
@@ -291,65 +294,6 @@ pub fn sample(radiance: Radiance, first: &First) -> feature::Sample {
         normal: first.normal,
         distance: first.distance,
         id: feature::first_id(first.id.unwrap_or(ID_NOTHING), first.bounces),
-    }
-}
-
-/// Two frames' cameras: where what is seen now was seen before.
-///
-/// What is seen by way of flat mirrors is a thing behind them; by way of curved ones, a thing on them
-/// ([`Feature::depth`]). Right to a sixteenth of a pixel and
-/// to what the distance's steps (2.2 % at most) are worth.
-#[derive(Clone, Copy, Debug)]
-pub struct Motion {
-    now: FilmPlane,
-    before: FilmPlane,
-    is_still: bool,
-    is_whole: bool,
-}
-
-impl Motion {
-    /// Between the frame before and the one now, both of this size.
-    pub fn between(before: Camera, now: Camera, width: u16, height: u16) -> Motion {
-        Motion {
-            now: now.film(width, height),
-            before: before.film(width, height),
-            is_still: now == before,
-            is_whole: false,
-        }
-    }
-
-    /// For a picture that is shown at the size it is rendered: see [`Reproject::is_whole`].
-    pub fn whole(self) -> Motion {
-        Motion {
-            is_whole: self.is_still,
-            ..self
-        }
-    }
-}
-
-impl Reproject for Motion {
-    fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before> {
-        if self.is_still {
-            let place = [x, y].map(|c| 16 * c as i32 + 8);
-            return Some(Before { place, depth });
-        }
-        let middle = [Uniform::from_bits(1 << 31); 2];
-        let ray = self.now.ray(x, y, middle, middle)?;
-        let origin = self.before.origin();
-        let (point, depth) = if depth == DEPTH_NOTHING {
-            (origin.along(ray.dir, 1 << 26), DEPTH_NOTHING)
-        } else {
-            let point = ray.origin.along(ray.dir, depth_distance(depth));
-            let (_, norm) = origin.to(point).normalize()?;
-            (point, depth_code(norm.length()))
-        };
-        // Q12 to sixteenths.
-        let place = self.before.place(point)?.map(|c| (c + (1 << 7)) >> 8);
-        Some(Before { place, depth })
-    }
-
-    fn is_whole(&self) -> bool {
-        self.is_whole
     }
 }
 

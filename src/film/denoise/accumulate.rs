@@ -19,6 +19,11 @@ pub trait Reproject: Sync {
     /// Where what is seen in the middle of pixel (x, y), at this [`Feature::depth`], was before; `None` if out of sight.
     fn before(&self, x: u16, y: u16, depth: u8) -> Option<Before>;
 
+    /// [`Self::before`] of many pixels: what is the same for all is told once.
+    fn prepared(&self) -> impl Fn(u16, u16, u8) -> Option<Before> {
+        |x, y, depth| self.before(x, y, depth)
+    }
+
     /// Whether nothing moved, and pixels are remembered as a whole: silhouettes that go through them, and their albedo.
     ///
     /// Not for pictures that are made twice as large: each of their pixels is of one thing.
@@ -86,6 +91,7 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
         // Black changes nothing.
         above.fill(Rgb9e5::BLACK);
     }
+    let past = past.map(|past| (past, past.motion.prepared()));
     let mut rest = rows;
     let mut row = 0;
     while let Some((pixels, under)) = rest.split_at_mut_checked(width) {
@@ -110,7 +116,11 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
             let near = Near::of(&columns);
             let light = near.clamped(pixel.irradiance, columns[1].own);
             let at = (x as u16, first.wrapping_add(row as u16));
-            let (light, length) = match past.and_then(|past| remember(size, past, pixel, at)) {
+            let known = past.as_ref().and_then(|(past, motion)| {
+                let before = motion(at.0, at.1, pixel.depth)?;
+                remember(size, past, pixel, at, before)
+            });
+            let (light, length) = match known {
                 Some((then, length)) => {
                     let length = (length + 1).min(MOST);
                     let noise = hash(at.0 as u32 | (at.1 as u32) << 16, count);
@@ -318,8 +328,8 @@ fn remember<M: Reproject>(
     past: &Past<M>,
     pixel: &Feature,
     (x, y): (u16, u16),
+    Before { place, depth }: Before,
 ) -> Option<(Then, u8)> {
-    let Before { place, depth } = past.motion.before(x, y, pixel.depth)?;
     let is_alike =
         |was: &Feature| was.id == pixel.id && is_near(was.depth, depth) && turn_of(was, pixel) <= TURN_SLACK;
     let at = |tx: i32, ty: i32| -> Option<(&Feature, u8)> {
