@@ -43,7 +43,7 @@ pub const FILTER: (u32, u32) = (4, 3);
 struct Room {
     frames: [[Feature; PIXELS]; 2],
     lengths: [[u8; PIXELS]; 2],
-    rows: [[Rgb9e5; SIZE.width as usize]; 2],
+    above: [Rgb9e5; SIZE.width as usize],
     fine: [[u8; HEAD]; NEEDS.fine],
     near: [u32; NEEDS.near],
     far: [u32; NEEDS.far],
@@ -61,7 +61,7 @@ pub fn run(scene: Builtin) -> u32 {
     let mut room = Room {
         frames: [[Feature::default(); PIXELS]; 2],
         lengths: [[0; PIXELS]; 2],
-        rows: [[Rgb9e5::BLACK; SIZE.width as usize]; 2],
+        above: [Rgb9e5::BLACK; SIZE.width as usize],
         fine: [[0; HEAD]; NEEDS.fine],
         near: [0; NEEDS.near],
         far: [0; NEEDS.far],
@@ -79,7 +79,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
     let Room {
         frames: [before, now],
         lengths: [lengths_before, lengths],
-        rows: [above, current],
+        above,
         guides,
         ..
     } = room;
@@ -113,14 +113,14 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
                 }
             });
             let motion = Motion::between(cameras[0], cameras[1], SIZE.width, SIZE.height);
-            accumulate::<Motion>(band(before, lengths_before, above, current), None, 0);
+            accumulate::<Motion>(band(before, lengths_before, above), None, 0);
             let past = Past {
                 frame: &before[..],
                 lengths: &lengths_before[..],
                 motion: &motion,
             };
             region::count(0, || {
-                accumulate(band(now, lengths, above, current), Some(&past), 1)
+                accumulate(band(now, lengths, above), Some(&past), 1)
             });
             motion
         })
@@ -133,7 +133,6 @@ fn band<'a>(
     rows: &'a mut [Feature],
     lengths: &'a mut [u8],
     above: &'a mut [Rgb9e5],
-    current: &'a mut [Rgb9e5],
 ) -> Band<'a> {
     Band {
         size: SIZE,
@@ -141,7 +140,6 @@ fn band<'a>(
         rows,
         lengths,
         above,
-        current,
         below: &[],
     }
 }

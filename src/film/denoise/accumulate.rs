@@ -1,9 +1,10 @@
 use super::Size;
-use super::weight::{Mean, turn_of};
+use super::near::{Near, luma};
+use super::remember::remember;
 use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::feature::{DEPTH_NOTHING, albedo_share};
-use crate::num::{isqrt, leading_zeros, mul_hi, recip};
+use crate::film::feature::albedo_share;
+use crate::num::{isqrt, leading_zeros, mul_hi};
 
 /// Where a pixel's place was in the frame before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,22 +53,12 @@ pub struct Band<'a> {
     pub lengths: &'a mut [u8],
     /// The light of the row above the band as it was rendered, a row's length; anything where there is none.
     pub above: &'a mut [Rgb9e5],
-    /// A row to work in.
-    pub current: &'a mut [Rgb9e5],
     /// The light of the row below as it was rendered; empty where there is none.
     pub below: &'a [Rgb9e5],
 }
 
-/// A pixel's luminance is at most that of the second brightest of its 3 × 3, times two to this power.
-pub const FIREFLY: u32 = 2;
-
 /// Frames that count: alpha is one over their number, 1/8 at least.
 const MOST: u8 = 8;
-
-/// A tap is the same place if its distance is right to this many codes, 4.4 % each...
-pub(super) const DEPTH_SLACK: u32 = 3;
-/// ... and its normal is, by one less the cosine in 127ths.
-const TURN_SLACK: u32 = 16;
 
 /// Clamps fireflies and takes the light together with the past, row by row.
 ///
@@ -79,14 +70,13 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
         rows,
         lengths,
         above,
-        current,
         below,
     } = band;
     let width = size.width as usize;
-    if width == 0 || above.len() < width || current.len() < width {
+    if width == 0 || above.len() < width {
         return;
     }
-    let (above, current) = (&mut above[..width], &mut current[..width]);
+    let above = &mut above[..width];
     if first == 0 {
         // Black changes nothing.
         above.fill(Rgb9e5::BLACK);
@@ -95,27 +85,26 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
     let mut rest = rows;
     let mut row = 0;
     while let Some((pixels, under)) = rest.split_at_mut_checked(width) {
-        let from = row * width;
-        for (kept, pixel) in current.iter_mut().zip(&*pixels) {
-            *kept = pixel.irradiance;
-        }
-        // The three columns about a pixel: each is looked at once.
-        let column = |x: usize| {
-            let (Some(above), Some(own)) = (above.get(x), current.get(x)) else {
-                return Column::EMPTY;
+        let y = first.wrapping_add(row as u16);
+        let mut places = lengths.get_mut(row * width..).unwrap_or_default().iter_mut();
+        // As they were rendered: to the left of the pixel, itself, to the right.
+        let rendered = |pixel: Option<&Feature>| pixel.map_or(Rgb9e5::BLACK, |pixel| pixel.irradiance);
+        let mut lights = [Rgb9e5::BLACK, Rgb9e5::BLACK, rendered(pixels.first())];
+        let mut lumas = lights.map(luma);
+        for x in 0..width {
+            let right = rendered(pixels.get(x + 1));
+            lights = [lights[1], lights[2], right];
+            lumas = [lumas[1], lumas[2], luma(right)];
+            let Some(pixel) = pixels.get_mut(x) else { break };
+            let near = Near {
+                above,
+                lights,
+                under,
+                below,
+                x,
             };
-            let under = match under.get(x) {
-                Some(pixel) => pixel.irradiance,
-                None => below.get(x).copied().unwrap_or_default(),
-            };
-            Column::of([*above, *own, under])
-        };
-        let mut columns = [Column::EMPTY, Column::EMPTY, column(0)];
-        for (x, pixel) in pixels.iter_mut().enumerate() {
-            columns = [columns[1], columns[2], column(x + 1)];
-            let near = Near::of(&columns);
-            let light = near.clamped(pixel.irradiance, columns[1].own);
-            let at = (x as u16, first.wrapping_add(row as u16));
+            let light = near.clamped(lumas);
+            let at = (x as u16, y);
             let known = past.as_ref().and_then(|(past, motion)| {
                 let before = motion(at.0, at.1, pixel.depth)?;
                 remember(size, past, pixel, at, before)
@@ -135,280 +124,25 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
                     let before = if then.is_here {
                         then.light
                     } else {
-                        near.around(then.light)
+                        near.around(then.light, lumas)
                     };
                     (blend(light, before, length as u32, noise), length)
                 }
                 None => (light, 1),
             };
             pixel.irradiance = light;
-            if let Some(place) = lengths.get_mut(from + x) {
+            if let Some(place) = places.next() {
                 *place = length;
             }
+            if let Some(place) = above.get_mut(x.wrapping_sub(1)) {
+                *place = lights[0];
+            }
         }
-        above.copy_from_slice(current);
+        if let Some(place) = above.last_mut() {
+            *place = lights[1];
+        }
         (rest, row) = (under, row + 1);
     }
-}
-
-/// The luminance of a light as a number that grows with it; 2^16 more for each octave, 0 for black.
-#[inline]
-fn luma(light: Rgb9e5) -> u32 {
-    let ([r, g, b], exponent) = light.to_parts();
-    // raw: under 2^17
-    let y = 54 * r + 183 * g + 19 * b;
-    if y == 0 {
-        return 0;
-    }
-    let zeros = leading_zeros(y);
-    // The highest bit is in the octave: 64 + 31 − 14 − 24 at least.
-    let octave = (64 + 31 + exponent) as u32 - zeros;
-    (octave << 16) + ((y << zeros << 1) >> 16)
-}
-
-/// What is known of three lights, one above the other.
-#[derive(Clone, Copy)]
-struct Column {
-    /// The middle one's luminance.
-    own: u32,
-    rank: Rank,
-    most: Most,
-}
-
-impl Column {
-    const EMPTY: Column = Column {
-        own: 0,
-        rank: Rank { first: 0, second: 0 },
-        most: Most {
-            parts: [0; 3],
-            exponent: -24,
-        },
-    };
-
-    #[inline]
-    fn of(lights: [Rgb9e5; 3]) -> Column {
-        let [above, own, below] = lights.map(luma);
-        let rank = Rank {
-            first: above.max(own),
-            second: above.min(own),
-        };
-        Column {
-            own,
-            rank: rank.with(below),
-            most: Most::of(lights.map(|light| {
-                let (m, exponent) = light.to_parts();
-                Most {
-                    parts: m.map(|m| m << 8),
-                    exponent,
-                }
-            })),
-        }
-    }
-}
-
-/// The two largest luminances.
-#[derive(Clone, Copy)]
-struct Rank {
-    first: u32,
-    second: u32,
-}
-
-impl Rank {
-    #[inline(always)]
-    fn with(self, luma: u32) -> Rank {
-        Rank {
-            first: self.first.max(luma),
-            second: self.second.max(self.first.min(luma)),
-        }
-    }
-}
-
-/// Largest of each channel, in 256ths of the exponent, which is the largest one.
-#[derive(Clone, Copy)]
-struct Most {
-    parts: [u32; 3],
-    exponent: i32,
-}
-
-impl Most {
-    #[inline(always)]
-    fn of(all: [Most; 3]) -> Most {
-        let [a, b, c] = all;
-        let exponent = a.exponent.max(b.exponent).max(c.exponent);
-        // raw: under 2^17; exponents are 31 apart at most.
-        let [a, b, c] = all.map(|most| most.parts.map(|part| part >> ((exponent - most.exponent) & 31)));
-        Most {
-            parts: [0, 1, 2].map(|i| a[i].max(b[i]).max(c[i])),
-            exponent,
-        }
-    }
-}
-
-/// What is known of the light about a pixel.
-struct Near {
-    /// The second largest luminance.
-    second: u32,
-    most: Most,
-}
-
-impl Near {
-    #[inline]
-    fn of(columns: &[Column; 3]) -> Near {
-        let [left, own, right] = columns.map(|column| column.rank);
-        let rank = own
-            .with(left.first)
-            .with(left.second)
-            .with(right.first)
-            .with(right.second);
-        Near {
-            second: rank.second,
-            most: Most::of(columns.map(|column| column.most)),
-        }
-    }
-
-    /// The light, made darker by whole octaves until it is no firefly.
-    #[inline]
-    fn clamped(&self, light: Rgb9e5, luma: u32) -> Rgb9e5 {
-        let limit = self.second + (FIREFLY << 16);
-        if luma <= limit {
-            return light;
-        }
-        // As many octaves as it takes; beside black nothing is left.
-        let down = match self.second {
-            0 => 40,
-            _ => (luma - limit).div_ceil(1 << 16).min(40),
-        };
-        let (m, exponent) = light.to_parts();
-        Rgb9e5::from_bits(m, exponent - down as i32)
-    }
-
-    /// Light of another place, at most twice the brightest here, by channel.
-    #[inline]
-    fn around(&self, light: Rgb9e5) -> Rgb9e5 {
-        let Most {
-            parts: most,
-            exponent: least,
-        } = self.most;
-        let (m, exponent) = light.to_parts();
-        let up = exponent - least;
-        // Both in 256ths of the exponent here. raw: under 2^17 before, and 2^14 more.
-        let whole = if up >= 14 {
-            m.map(|m| if m == 0 { 0 } else { u32::MAX >> 1 })
-        } else if up >= 0 {
-            m.map(|m| m << 8 << up)
-        } else {
-            m.map(|m| (m << 8) >> (-up).min(31))
-        };
-        let bits = [0, 1, 2].map(|i| whole[i].min(2 * most[i]));
-        // As it was, to the last bit, where nothing is too much.
-        if up < 14 && (0..3).all(|i| bits[i] == whole[i]) {
-            return light;
-        }
-        Rgb9e5::from_bits(bits, least - 8)
-    }
-}
-
-/// What is remembered.
-struct Then {
-    light: Rgb9e5,
-    /// Of the very same pixel.
-    is_here: bool,
-    /// If it is remembered as a whole.
-    whole: Option<Feature>,
-}
-
-/// What the past knows of a pixel, and of how many frames.
-///
-/// A whole pixel ([`Reproject::is_whole`]) is the same piece of the picture: all of it counts, and its albedo, too. A
-/// silhouette goes through it where the samples meet one thing now and another then; the one of now was then to be seen
-/// beside it.
-#[inline]
-fn remember<M: Reproject>(
-    size: Size,
-    past: &Past<M>,
-    pixel: &Feature,
-    (x, y): (u16, u16),
-    Before { place, depth }: Before,
-) -> Option<(Then, u8)> {
-    let is_alike =
-        |was: &Feature| was.id == pixel.id && is_near(was.depth, depth) && turn_of(was, pixel) <= TURN_SLACK;
-    let at = |tx: i32, ty: i32| -> Option<(&Feature, u8)> {
-        let is_inside = (0..size.width as i32).contains(&tx) && (0..size.height as i32).contains(&ty);
-        if !is_inside {
-            return None;
-        }
-        let number = ty as usize * size.width as usize + tx as usize;
-        Some((past.frame.get(number)?, *past.lengths.get(number)?))
-    };
-    let (here_x, here_y) = (x as i32, y as i32);
-    let is_here = place == [here_x, here_y].map(|c| 16 * c + 8);
-    if is_here && past.motion.is_whole() {
-        let (was, length) = at(here_x, here_y)?;
-        let mut around = (0..9).filter_map(|i| at(here_x + i % 3 - 1, here_y + i / 3 - 1));
-        let is_known = is_alike(was) || around.any(|(was, _)| is_alike(was));
-        let then = Then {
-            light: was.irradiance,
-            is_here,
-            whole: Some(*was),
-        };
-        return is_known.then_some((then, length.min(15)));
-    }
-    // The four pixels whose middles are about it.
-    let corner = place.map(|c| c.wrapping_sub(8));
-    let (left, top) = (corner[0] >> 4, corner[1] >> 4);
-    let part = corner.map(|c| (c & 15) as u32);
-    let mut taps = [(Rgb9e5::BLACK, 0u32); 4];
-    let mut mean = Mean::new();
-    let mut lengths = 0;
-    for (i, tap) in taps.iter_mut().enumerate() {
-        let (dx, dy) = (i as i32 & 1, i as i32 >> 1);
-        let across = if dx == 0 { 16 - part[0] } else { part[0] };
-        let down = if dy == 0 { 16 - part[1] } else { part[1] };
-        let weight = across * down;
-        if weight == 0 {
-            continue;
-        }
-        let Some((was, length)) = at(left + dx, top + dy).filter(|(was, _)| is_alike(was)) else {
-            continue;
-        };
-        *tap = (was.irradiance, weight);
-        mean.see(was.irradiance);
-        // 15 at most, so that memory with anything in it does no harm.
-        lengths += length.min(15) as u32 * weight;
-    }
-    for (light, weight) in taps {
-        if weight > 0 {
-            mean.add(light, weight);
-        }
-    }
-    // An eighth of the pixel is not enough to speak for it.
-    if mean.weight() < 32 {
-        return None;
-    }
-    let (light, length) = match mean.weight() {
-        256 => (mean.light_of_256(), lengths >> 8),
-        weight => (mean.light(), quotient(lengths, weight)),
-    };
-    let then = Then {
-        light,
-        is_here,
-        whole: None,
-    };
-    Some((then, length as u8))
-}
-
-/// ⌊a / b⌋, exactly, for a ≤ 15 b and b ≤ 2^8: cheaper than a division where that is no instruction.
-#[inline]
-fn quotient(a: u32, b: u32) -> u32 {
-    let r = recip(b);
-    // raw: a < 2^12; the reciprocal is right to 2^-28, so that the answer is, or one less.
-    let guess = mul_hi(a, r.mantissa) >> (r.shift - 32);
-    guess + u32::from((guess + 1) * b <= a)
-}
-
-#[inline]
-fn is_near(a: u8, b: u8) -> bool {
-    (a == DEPTH_NOTHING) == (b == DEPTH_NOTHING) && u32::from(a.abs_diff(b)) <= DEPTH_SLACK
 }
 
 /// `then + (light − then)/n`, what is left over kept with a chance of its size; equal lights give themselves.
@@ -419,13 +153,17 @@ fn blend(light: Rgb9e5, then: Rgb9e5, n: u32, noise: u32) -> Rgb9e5 {
     // raw: under 2^9 · 2^16, and 2^3 times that in the sum.
     let wide = |m: u32, e: i32| (m << 16) >> (exponent - e).clamp(0, 31);
     let n = n.clamp(1, 8);
-    let part = PARTS[n as usize - 1];
-    let mixed = |i: usize| {
-        let sum = wide(a[i], ea) + wide(b[i], eb) * (n - 1) + n / 2;
-        // raw: under 2^28 + 4, times what the part is off by, under 8: under 2^32 / 8, so that this is the quotient.
-        if n == 1 { sum } else { mul_hi(sum, part) }
+    // raw: under 2^28 + 4
+    let sum = |i: usize| wide(a[i], ea) + wide(b[i], eb) * (n - 1) + n / 2;
+    let sums = [sum(0), sum(1), sum(2)];
+    let bits = if n & (n - 1) == 0 {
+        let shift = SHIFTS[n as usize - 1];
+        sums.map(|sum| sum >> shift)
+    } else {
+        let part = PARTS[n as usize - 1];
+        // raw: times what the part is off by, under 8: under 2^32 / 8, so that this is the quotient.
+        sums.map(|sum| mul_hi(sum, part))
     };
-    let bits = [mixed(0), mixed(1), mixed(2)];
     dithered(bits, exponent - 16, noise)
 }
 
@@ -439,6 +177,9 @@ const PARTS: [u32; 8] = {
     }
     parts
 };
+
+/// Logarithms of 1, 2, 4 and 8.
+const SHIFTS: [u8; 8] = [0, 1, 0, 2, 0, 0, 0, 3];
 
 /// The same of codes of albedo, by the shares they stand for.
 #[inline]
@@ -469,8 +210,12 @@ fn dithered(bits: [u32; 3], exponent: i32, noise: u32) -> Rgb9e5 {
     let mask = (1u32 << shift) - 1;
     // A chance for each channel.
     let up = |i: u32| noise.rotate_left(11 * i) & mask;
-    let rounded = [0, 1, 2].map(|i| ((bits[i as usize] + up(i)) >> shift) << shift);
-    Rgb9e5::from_bits(rounded, exponent)
+    let m = [0, 1, 2].map(|i| (bits[i as usize] + up(i)) >> shift);
+    let e = exponent + shift as i32 + 24;
+    if (256..512).contains(&(m[0] | m[1] | m[2])) && (0..31).contains(&e) {
+        return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | (e as u32) << 27);
+    }
+    Rgb9e5::from_bits(m.map(|m| m << shift), exponent)
 }
 
 /// PCG's output function of a place and a frame.

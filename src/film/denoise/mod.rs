@@ -11,20 +11,23 @@
 //! other row of the same pass reads: bands of rows may be made in any order, by several cores ([`Pair`]), and the bits are
 //! the same.
 //!
-//! RAM: 26 bytes a pixel ([`Memory`]) and five rows of light. The filter by the network takes 1.9 more
+//! RAM: 26 bytes a pixel ([`Memory`]) and three rows of light. The filter by the network takes 1.9 more
 //! ([`network::Neural::needs`]).
 
 mod accumulate;
 mod atrous;
+mod near;
 pub mod network;
 mod outline;
 mod pair;
+mod remember;
 mod taa;
 mod upsample;
 mod weight;
 
-pub use accumulate::{Band, Before, FIREFLY, Past, Reproject, accumulate};
+pub use accumulate::{Band, Before, Past, Reproject, accumulate};
 pub use atrous::{Atrous, Whole, beside};
+pub use near::FIREFLY;
 pub use outline::{Row, Seen};
 pub use pair::{Alone, Pair};
 pub use taa::Shown;
@@ -63,12 +66,12 @@ pub struct Memory<'m> {
     pub frames: [&'m mut [Feature]; 2],
     /// A pixel each.
     pub lengths: [&'m mut [u8]; 2],
-    /// Five rows: [`ROWS`].
+    /// Three rows: [`ROWS`].
     pub rows: &'m mut [Rgb9e5],
 }
 
-/// Rows of light that a [`Denoiser`] works in: two for each worker, and one that the upper half sees below it.
-pub const ROWS: usize = 5;
+/// Rows of light that a [`Denoiser`] works in: one for each worker, and one that the upper half sees below it.
+pub const ROWS: usize = 3;
 
 /// Memory that does not suffice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -246,9 +249,7 @@ fn halves<'a>(
     let (upper, lower) = frame.split_at_mut(size.upper());
     let (upper_lengths, lower_lengths) = lengths.split_at_mut(upper.len());
     let (first, rest) = rows.split_at_mut(width);
-    let (second, rest) = rest.split_at_mut(width);
-    let (below, rest) = rest.split_at_mut(width);
-    let (above, current) = rest.split_at_mut(width);
+    let (below, above) = rest.split_at_mut(width);
     for (light, pixel) in below.iter_mut().zip(&*lower) {
         *light = pixel.irradiance;
     }
@@ -265,7 +266,6 @@ fn halves<'a>(
             rows: upper,
             lengths: upper_lengths,
             above: first,
-            current: second,
             below,
         },
         Band {
@@ -274,7 +274,6 @@ fn halves<'a>(
             rows: lower,
             lengths: lower_lengths,
             above,
-            current,
             below: &[],
         },
     ]

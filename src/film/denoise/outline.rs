@@ -22,7 +22,7 @@
 use core::ops::Range;
 
 use super::Size;
-use super::accumulate::DEPTH_SLACK;
+use super::remember::DEPTH_SLACK;
 use super::weight::{Mean, luma_code};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;

@@ -167,7 +167,18 @@ impl Mean {
     /// [`Self::light`] of weights that are 256 in all.
     #[inline]
     pub(super) fn light_of_256(&self) -> Rgb9e5 {
-        Mean::encoded(self.shifted(self.sum, 8))
+        let sums = self.sum;
+        let shift = 23 - leading_zeros(sums[0] | sums[1] | sums[2]) as i32;
+        let e = self.exponent as i32 + shift - 17;
+        if shift > 0 {
+            // What the reciprocal is less than 1/256 rounds halves down. raw: under 2^26 + 2^16
+            let less = (1 << (shift - 1)) - 1;
+            let [r, g, b] = sums.map(|sum| (sum + less) >> shift);
+            if r | g | b < 512 && (0..32).contains(&e) {
+                return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
+            }
+        }
+        Mean::encoded(self.shifted(sums, 8))
     }
 
     #[inline(always)]
@@ -213,5 +224,30 @@ mod tests {
         let mut mean = Mean::new();
         mean.add_parts([1 << 17; 3], 1024);
         assert_eq!(mean.divided(), mean.shifted([1 << 21; 3], 4));
+    }
+
+    #[test]
+    fn means_of_256_are_what_the_reciprocal_says() {
+        let mut state = 7u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            state ^ (state >> 15)
+        };
+        for round in 0..200_000 {
+            let weight = [random() & 255, 128, 64, 16 * (random() & 15)][round & 3];
+            let [mut a, mut b] = [0; 2].map(|_| {
+                let mantissas = random() & [!0, random(), 0x0402_0100][round / 4 % 3];
+                mantissas & 0x07ff_ffff | (random() % [1, 3, 32][round / 12 % 3] + random() % 32 / 2) << 27
+            });
+            if round / 36 % 4 == 0 {
+                (a, b) = (a & 0x07ff_ffff, b & 0x07ff_ffff);
+            }
+            let mut mean = Mean::new();
+            mean.see(Rgb9e5(a));
+            mean.see(Rgb9e5(b));
+            mean.add(Rgb9e5(a), 256 - weight);
+            mean.add(Rgb9e5(b), weight);
+            assert_eq!(mean.light_of_256(), mean.light(), "{a:x} {b:x} {weight}");
+        }
     }
 }
