@@ -1,5 +1,5 @@
 use super::Size;
-use super::near::{Near, luma};
+use super::near::{Near, is_bounded, is_plain, luma};
 use super::remember::remember;
 use crate::color::Rgb9e5;
 use crate::film::Feature;
@@ -96,14 +96,18 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
             lights = [lights[1], lights[2], right];
             lumas = [lumas[1], lumas[2], luma(right)];
             let Some(pixel) = pixels.get_mut(x) else { break };
-            let near = Near {
+            let near = || Near {
                 above,
                 lights,
                 under,
                 below,
                 x,
             };
-            let light = near.clamped(lumas);
+            let light = if is_plain(lumas) {
+                lights[1]
+            } else {
+                near().clamped()
+            };
             let at = (x as u16, y);
             let known = past.as_ref().and_then(|(past, motion)| {
                 let before = motion(at.0, at.1, pixel.depth)?;
@@ -121,10 +125,10 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
                             (pixel.normal, pixel.depth, pixel.id) = (was.normal, was.depth, was.id);
                         }
                     }
-                    let before = if then.is_here {
+                    let before = if then.is_here || is_bounded(then.light, lights, lumas) {
                         then.light
                     } else {
-                        near.around(then.light, lumas)
+                        near().around(then.light)
                     };
                     (blend(light, before, length as u32, noise), length)
                 }
@@ -148,6 +152,9 @@ pub fn accumulate<M: Reproject>(band: Band, past: Option<&Past<M>>, count: u32) 
 /// `then + (light − then)/n`, what is left over kept with a chance of its size; equal lights give themselves.
 #[inline]
 fn blend(light: Rgb9e5, then: Rgb9e5, n: u32, noise: u32) -> Rgb9e5 {
+    if (light.0 | then.0) << 5 == 0 {
+        return Rgb9e5::BLACK;
+    }
     let ((a, ea), (b, eb)) = (light.to_parts(), then.to_parts());
     let exponent = ea.max(eb);
     // raw: under 2^9 · 2^16, and 2^3 times that in the sum.

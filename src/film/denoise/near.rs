@@ -35,23 +35,34 @@ pub(super) struct Near<'a> {
     pub x: usize,
 }
 
-impl Near<'_> {
-    /// The pixel's light, made darker by whole octaves until it is no firefly; `lumas` are those of [`Self::lights`].
-    #[inline]
-    pub fn clamped(&self, lumas: [u32; 3]) -> Rgb9e5 {
-        let beside = lumas[0].max(lumas[2]);
-        if lumas[1] <= beside + (FIREFLY << 16) {
-            return self.lights[1];
-        }
-        self.darkened(lumas[1], beside)
-    }
+/// Whether the pixel's light, of these three that lie side by side, is seen to be no firefly: their luminances.
+#[inline]
+pub(super) fn is_plain([left, own, right]: [u32; 3]) -> bool {
+    own <= left.max(right) + (FIREFLY << 16)
+}
 
-    /// The same where those beside it do not say that it is none.
+/// Whether the pixel's light, of these three that lie side by side, or the brighter one beside it tells that no channel of
+/// another is too much; `lumas` are theirs.
+#[inline]
+pub(super) fn is_bounded(light: Rgb9e5, [left, own, right]: [Rgb9e5; 3], lumas: [u32; 3]) -> bool {
+    let beside = if lumas[0] > lumas[2] { left } else { right };
+    light.0 == 0 || is_under(light, own, 0) || is_under(light, beside, 0)
+}
+
+impl Near<'_> {
+    /// The pixel's light, made darker by whole octaves until it is no firefly.
     #[inline(never)]
-    fn darkened(&self, own: u32, beside: u32) -> Rgb9e5 {
-        let [.., light, _] = self.lights;
-        let others = self.rows().into_iter().flatten();
-        let second = others.fold(beside, |most, light| most.max(luma(light)));
+    pub fn clamped(&self) -> Rgb9e5 {
+        let [left, light, right] = self.lights;
+        let [above, below] = self.rows();
+        let others = [above, [left, Rgb9e5::BLACK, right], below];
+        let second = others
+            .iter()
+            .flatten()
+            .map(|light| luma(*light))
+            .max()
+            .unwrap_or(0);
+        let own = luma(light);
         let limit = second + (FIREFLY << 16);
         if own <= limit {
             return light;
@@ -81,20 +92,9 @@ impl Near<'_> {
         ]
     }
 
-    /// Light of another place, at most twice the brightest here, by channel; `lumas` are those of [`Self::lights`].
-    #[inline]
-    pub fn around(&self, light: Rgb9e5, lumas: [u32; 3]) -> Rgb9e5 {
-        let [left, own, right] = self.lights;
-        let beside = if lumas[0] > lumas[2] { left } else { right };
-        if is_under(light, own, 0) || is_under(light, beside, 0) {
-            return light;
-        }
-        self.held(light)
-    }
-
-    /// The same where one light does not tell that nothing is too much.
+    /// Light of another place, at most twice the brightest here, by channel.
     #[inline(never)]
-    fn held(&self, light: Rgb9e5) -> Rgb9e5 {
+    pub fn around(&self, light: Rgb9e5) -> Rgb9e5 {
         let [above, below] = self.rows();
         let all = [above, self.lights, below];
         // Largest of each channel, in 256ths of the exponent, which is the largest one.
@@ -196,17 +196,26 @@ mod tests {
             let (least, spread) = (random() % 20, [1, 2, 4, 12][round & 3]);
             let blacks = random() % 9;
             // Mantissas are full, as they are encoded, so that black alone has a small luminance.
+            let masks = [0x07ff_ffff, 0x07fc_0000, 0x01ff, 0];
             let mut light = || {
                 let exponent = least + random() % spread;
                 let full = 256 << [0, 9, 18][random() as usize % 3];
+                let mantissas = random() & masks[random() as usize % 4] | full;
                 if random() % 9 < blacks {
                     Rgb9e5::BLACK
                 } else {
-                    Rgb9e5(random() & 0x07ff_ffff | full | exponent << 27)
+                    Rgb9e5(mantissas | exponent << 27)
                 }
             };
             let all = [0; 9].map(|_| light());
-            let remembered = light();
+            // One of them twice, or of another exponent, or any.
+            let one = all[round / 5 % 9].0;
+            let remembered = match round % 5 {
+                _ if one == 0 => light(),
+                0 => light(),
+                1 | 2 => Rgb9e5(one.saturating_add(1 << 27)),
+                _ => Rgb9e5(one & 0x07ff_ffff | (least + round as u32 / 45 % 12) << 27),
+            };
             let x = round % 3;
             let mut above = [Rgb9e5::BLACK; 5];
             above[x..x + 3].copy_from_slice(&all[..3]);
@@ -226,10 +235,13 @@ mod tests {
             };
             let lumas = near.lights.map(luma);
             let expected = clamped(all);
-            assert_eq!(near.clamped(lumas), expected, "{all:?}");
+            assert_eq!(near.clamped(), expected, "{all:?}");
+            assert!(!is_plain(lumas) || expected == all[4], "{all:?}");
             darker += u32::from(expected != all[4]);
             let expected = around(all, remembered);
-            assert_eq!(near.around(remembered, lumas), expected, "{all:?} {remembered:?}");
+            assert_eq!(near.around(remembered), expected, "{all:?} {remembered:?}");
+            let is_bounded = is_bounded(remembered, near.lights, lumas);
+            assert!(!is_bounded || expected == remembered, "{all:?} {remembered:?}");
             held += u32::from(expected != remembered);
         }
         assert!(darker > 5_000 && held > 10_000, "{darker} {held}");
