@@ -292,14 +292,12 @@ mod tests {
                     _ => (random(31) % 255) as u8,
                 };
                 let whole = motion.before(x, y, depth);
-                if whole.is_none_or(|whole| (0..2).any(|i| whole.place[i] as u32 >= 16 * u32::from(size[i])))
-                {
-                    continue;
-                }
-                all += 1;
-                if let Some(found) = glance.as_ref().and_then(|glance| glance.before(x, y, depth)) {
-                    told += 1;
-                    assert_eq!(Some(found), whole, "{x} {y} {depth} {motion:?}");
+                let found = glance.as_ref().and_then(|glance| glance.before(x, y, depth));
+                let is_inside = |at: &Before| (0..2).all(|i| (at.place[i] as u32) < 16 * u32::from(size[i]));
+                if whole.as_ref().is_some_and(is_inside) || found.as_ref().is_some_and(is_inside) {
+                    all += 1;
+                    told += usize::from(found.is_some());
+                    assert!(found.is_none() || found == whole, "{x} {y} {depth} {motion:?}");
                 }
             }
         }
