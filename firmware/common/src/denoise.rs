@@ -1,6 +1,6 @@
 //! The pictures of the core's `tests/golden_denoise.txt`, denoised where the firmware runs.
 //!
-//! The memory that this takes is two frames of twelve bytes a pixel, their lengths and five rows: 12,960 bytes; the network's
+//! The memory that this takes is two frames of twelve bytes a pixel, their lengths and three rows: 12,768 bytes; the network's
 //! own is beside it, or 3,840 of two pictures where each is half of the one before.
 
 use microlux::{
