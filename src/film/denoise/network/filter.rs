@@ -87,6 +87,49 @@ fn affinity(a: Spread, b: &Head) -> u32 {
     u32::from(EXP[(a.square(b) >> 1).min(255) as usize])
 }
 
+/// The squared distance from which an affinity is 0.
+const FAR: u32 = {
+    let mut i = 0;
+    while EXP[i] > 0 {
+        i += 1;
+    }
+    2 * i as u32
+};
+
+/// The feature in which heads of two sizes differ most, of [`TRAINED`](super::TRAINED).
+const UNLIKE: usize = 3;
+
+/// Whether one feature alone says that two heads have no affinity; most of two sizes have none.
+#[inline(always)]
+fn is_far(a: &Head, b: &Head) -> bool {
+    let apart = i32::from(a[UNLIKE] as i8) - i32::from(b[UNLIKE] as i8);
+    (apart * apart) as u32 >= FAR
+}
+
+/// The mean of four lights that weigh 1 each.
+#[inline(always)]
+fn mean_of_alike(centre: Light, others: [Light; 3]) -> Light {
+    let mut mean = Mean::new(centre, 1);
+    for light in others {
+        mean.add(light, 1);
+    }
+    // What [`Mean::value`] makes of it, which takes longer to say so.
+    let mut out = centre;
+    for (out, sum) in out.iter_mut().zip(mean.sum) {
+        let sum = sum as i32 - 4 * i32::from(*out);
+        if sum.unsigned_abs() >> 16 != 0 {
+            return mean.value();
+        }
+        *out = (i32::from(*out)
+            + if sum < 0 {
+                -((1 - sum) >> 2)
+            } else {
+                (1 + sum) >> 2
+            }) as u16;
+    }
+    out
+}
+
 #[cfg(gathers)]
 use microlux_asm::Spread;
 
@@ -374,14 +417,18 @@ impl<'a> Plane<'a> {
     #[inline(always)]
     fn mean_of_four(self, light: &impl Fn(usize) -> Light, x: usize, y: usize, coarse: &Head) -> Light {
         let Shape { width, height } = self.shape;
-        let own = Spread::of(coarse);
         let (left, top) = (2 * x, 2 * y);
         let (right, below) = ((left + 1).min(width - 1), (top + 1).min(height - 1));
+        let first = top * width + left;
+        let others = [top * width + right, below * width + left, below * width + right];
+        if is_far(coarse, &self.heads[first]) && others.iter().all(|&at| is_far(coarse, &self.heads[at])) {
+            return mean_of_alike(light(first), others.map(light));
+        }
+        let own = Spread::of(coarse);
         // Never nothing.
         let weight = |at: usize| ((affinity(own, &self.heads[at]) * confidence(&self.heads[at])) >> 6) + 1;
-        let first = top * width + left;
         let mut mean = Mean::new(light(first), weight(first));
-        for at in [top * width + right, below * width + left, below * width + right] {
+        for at in others {
             mean.add(light(at), weight(at));
         }
         mean.value()
@@ -528,7 +575,6 @@ impl Coarse<'_> {
             heads,
             shape: Shape { width, height },
         } = self.plane;
-        let head = Spread::of(head);
         let (near_x, near_y) = (x >> 1, y >> 1);
         let far_x = if x & 1 == 0 {
             near_x.saturating_sub(1)
@@ -541,11 +587,60 @@ impl Coarse<'_> {
             (near_y + 1).min(height - 1)
         };
         let near = near_y * width + near_x;
+        let others = [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)];
+        let others = others.map(|(x, y, share)| (y * width + x, share));
+        // Then they count for nothing, and the mean of one is itself.
+        if others.iter().all(|&(place, _)| is_far(head, &heads[place])) {
+            return self.light[near];
+        }
+        let head = Spread::of(head);
         let mut mean = Mean::new(self.light[near], 9 * affinity(head, &heads[near]) + 1);
-        for (x, y, share) in [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)] {
-            let place = y * width + x;
+        for (place, share) in others {
             mean.add(self.light[place], share * affinity(head, &heads[place]));
         }
         mean.value()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_alike_are_what_their_weights_say() {
+        let value = |centre: u16, other: u16| {
+            let mut mean = Mean::new([centre; 3], 1);
+            for light in [other, other, centre] {
+                mean.add([light; 3], 1);
+            }
+            mean.value()
+        };
+        for apart in 0..=u16::MAX {
+            for other in [apart, apart / 2, 65_535 - apart] {
+                let four = mean_of_alike([apart; 3], [[other; 3], [other; 3], [apart; 3]]);
+                assert_eq!(four, value(apart, other), "{apart} {other}");
+                let [one, ..] = mean_of_alike([7; 3], [[apart; 3], [7; 3], [7; 3]]);
+                let mut mean = Mean::new([7; 3], 1);
+                for light in [apart, 7, 7] {
+                    mean.add([light; 3], 1);
+                }
+                assert_eq!(one, mean.value()[0], "{apart}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_one_feature_says_is_far_has_no_affinity() {
+        for a in 0..=255 {
+            for b in 0..=255 {
+                let (mut one, mut two) = ([0; 8], [0; 8]);
+                (one[UNLIKE], two[UNLIKE]) = (a, b);
+                assert_eq!(
+                    is_far(&one, &two),
+                    affinity(Spread::of(&one), &two) == 0,
+                    "{a} {b}"
+                );
+            }
+        }
     }
 }
