@@ -130,15 +130,15 @@ fn mean_of_alike(centre: Light, others: [Light; 3]) -> Light {
     out
 }
 
-#[cfg(gathers)]
+#[cfg(spreads)]
 use microlux_asm::Spread;
 
 /// A head's features.
-#[cfg(not(gathers))]
+#[cfg(not(spreads))]
 #[derive(Clone, Copy)]
 struct Spread([i32; FEATURES]);
 
-#[cfg(not(gathers))]
+#[cfg(not(spreads))]
 impl Spread {
     #[inline(always)]
     fn of(head: &Head) -> Spread {
