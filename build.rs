@@ -27,6 +27,7 @@ fn main() {
             println!("cargo::rustc-cfg=normalizes");
             println!("cargo::rustc-cfg=rectangles");
             println!("cargo::rustc-cfg=gathers");
+            println!("cargo::rustc-cfg=nines");
         }
         if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
             println!("cargo::rustc-cfg=layers");

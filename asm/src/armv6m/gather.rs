@@ -1,8 +1,9 @@
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
+use core::slice;
 
-type Head = [u8; 8];
-type Light = [u16; 3];
+pub(super) type Head = [u8; 8];
+pub(super) type Light = [u16; 3];
 
 /// Pixels that a run may have.
 const MOST: usize = 5;
@@ -28,6 +29,9 @@ pub fn gather<const RUNS: usize>(
     table: &[u8; 256],
 ) -> [u32; 4] {
     const { assert!(RUNS <= MOST) };
+    if !runs.iter().all(|(heads, _)| is_aligned(heads)) || !is_aligned(slice::from_ref(own)) {
+        return plain(own, &runs, table);
+    }
     let runs = runs.map(|(heads, lights)| {
         let heads = &heads[..heads.len().min(lights.len()).min(MOST)];
         let range = heads.as_ptr_range();
@@ -39,8 +43,8 @@ pub fn gather<const RUNS: usize>(
     });
     let range = runs.as_ptr_range();
     let (weight, r, g, b);
-    // SAFETY: `runs` are five at most, of five heads at most each, and have as many lights; an index into `table` is under 256.
-    // `add` gives back r6 and r7.
+    // SAFETY: `runs` are five at most, of five heads at most each, whole words, and have as many lights; an index into `table` is
+    // under 256. `add` gives back r6 and r7.
     unsafe {
         asm!(
             "bl {add}",
@@ -63,21 +67,55 @@ pub fn gather<const RUNS: usize>(
     [weight, r, g, b]
 }
 
-/// `$byte` of r0 or r1, by `$extract` in r3, less what `$own` has negated: its square onto r2.
+/// Whether heads are whole words.
+#[inline(always)]
+pub(super) fn is_aligned(heads: &[Head]) -> bool {
+    heads.as_ptr().addr().is_multiple_of(4)
+}
+
+/// What [`gather`] does, for heads that are not whole words.
+#[cold]
+fn plain(own: &Head, runs: &[(&[Head], &[Light])], table: &[u8; 256]) -> [u32; 4] {
+    let mut sums = [0u32; 4];
+    for (heads, lights) in runs {
+        for (head, light) in heads.iter().zip(*lights).take(MOST) {
+            let apart = |i: usize| i32::from(own[i] as i8) - i32::from(head[i] as i8);
+            let square: i32 = (0..6).map(|i| apart(i) * apart(i)).sum();
+            let affinity = u32::from(table[(square / 2).min(255) as usize]);
+            let weight = (affinity * (u32::from(head[6]) + 1)) >> 6;
+            let [r, g, b] = light.map(|light| u32::from(light) * weight);
+            for (sum, part) in sums.iter_mut().zip([weight, r, g, b]) {
+                *sum = sum.wrapping_add(part);
+            }
+        }
+    }
+    sums
+}
+
+/// A byte that `$extract` puts into r3, less what `$own` has negated: its square onto r2.
 #[rustfmt::skip]
 macro_rules! square {
     ($extract:literal, $own:literal) => {
         concat!($extract, "; add r3, ", $own, "; muls r3, r3, r3; adds r2, r2, r3;")
     };
 }
+pub(super) use square;
 
-/// `$extract` puts one of the own head's bytes into r4: negated to `$own`.
+/// The first six bytes of the head in r0 and r1, negated, to r8 to r12 and lr; by r2.
 #[rustfmt::skip]
 macro_rules! own {
-    ($extract:literal, $own:literal) => {
-        concat!($extract, "; rsbs r4, r4, #0; mov ", $own, ", r4;")
+    () => {
+        concat!(
+            "sxtb r2, r0; rsbs r2, r2, #0; mov r8, r2;",
+            "lsls r2, r0, #16; asrs r2, r2, #24; rsbs r2, r2, #0; mov r9, r2;",
+            "lsls r2, r0, #8; asrs r2, r2, #24; rsbs r2, r2, #0; mov r10, r2;",
+            "asrs r2, r0, #24; rsbs r2, r2, #0; mov r11, r2;",
+            "sxtb r2, r1; rsbs r2, r2, #0; mov r12, r2;",
+            "lsls r2, r1, #16; asrs r2, r2, #24; rsbs r2, r2, #0; mov lr, r2;",
+        )
     };
 }
+pub(super) use own;
 
 /// `$at` bytes from r4, a channel by weight r5 onto `$sum`.
 #[rustfmt::skip]
@@ -104,12 +142,7 @@ unsafe extern "C" fn add() {
         "sub sp, #100",
         "mov r6, r3",
         "ldmia r2!, {{r0, r1}}",
-        own!("sxtb r4, r0", "r8"),
-        own!("lsls r4, r0, #16; asrs r4, r4, #24", "r9"),
-        own!("lsls r4, r0, #8; asrs r4, r4, #24", "r10"),
-        own!("asrs r4, r0, #24", "r11"),
-        own!("sxtb r4, r1", "r12"),
-        own!("lsls r4, r1, #16; asrs r4, r4, #24", "lr"),
+        own!(),
         "mov r7, sp",
         // A run's weights, from r7 on.
         "20:",

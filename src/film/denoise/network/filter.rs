@@ -275,28 +275,36 @@ fn keep(places: &mut [Head], lights: &[Light]) {
 
 /// What a worker has for the finest light.
 pub(super) struct Ring<'a> {
+    /// The heads of the other worker's nearest row.
+    beyond: &'a mut [Head],
+    /// Affinities of the row before and of this one with each pixel's neighbours: see [`microlux_asm::kins`].
+    #[cfg(nines)]
+    kins: [&'a mut [[u8; 4]]; 2],
     /// Three rows of light as it was; row y is number y modulo 3.
     light: &'a mut [Light],
     /// A row's answers, and those of the row before, whose heads the row after it still asks for.
     done: [&'a mut [Light]; 2],
-    /// The heads of the other worker's nearest row.
-    beyond: &'a mut [Head],
 }
 
 impl<'a> Ring<'a> {
     pub const fn bytes(width: usize) -> usize {
-        (5 * size_of::<Light>() + size_of::<Head>()) * width
+        let affinities = 2 * 4;
+        ((5 * size_of::<Light>() + size_of::<Head>() + affinities) * width).next_multiple_of(4)
     }
 
     fn new(bytes: &'a mut [u8], width: usize) -> Ring<'a> {
-        let (light, rest) = lights(bytes, 3 * width);
+        // Whole words first.
+        let (beyond, rest) = bytes.split_at_mut(size_of::<Head>() * width);
+        let (_affinities, rest) = rest.split_at_mut(2 * 4 * width);
+        let (light, rest) = lights(rest, 3 * width);
         let (one, rest) = lights(rest, width);
-        let (two, rest) = lights(rest, width);
-        let (beyond, _) = rest.as_chunks_mut();
+        let (two, _) = lights(rest, width);
         Ring {
+            beyond: beyond.as_chunks_mut().0,
+            #[cfg(nines)]
+            kins: _affinities.as_chunks_mut().0.split_at_mut(width).into(),
             light,
             done: [one, two],
-            beyond: &mut beyond[..width],
         }
     }
 }
@@ -316,6 +324,8 @@ fn finish(
             light: near_light,
             done: [mut done, mut before],
             beyond,
+            #[cfg(nines)]
+                kins: [mut above, mut own],
         } = ring;
         let end = first + rows.len() / width;
         let at = |y: usize| y % 3 * width..(y % 3 + 1) * width;
@@ -339,15 +349,31 @@ fn finish(
                 }),
                 heads: core::array::from_fn(|i| (y + i).checked_sub(1).map_or(&[][..], heads)),
             };
+            #[cfg(nines)]
+            let nine = {
+                let [upper, middle, lower] = near.heads;
+                if y == first {
+                    microlux_asm::kins(upper, middle, &EXP, above);
+                }
+                microlux_asm::kins(middle, lower, &EXP, own);
+                microlux_asm::Nine::new(near.heads, near.light, [above, own])
+            };
             // What is beside the picture counts for nothing, whatever its number is.
             let lines = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| y * width);
             let column = |x: usize| lines.map(|line| thing(line + x.min(width - 1)));
             let mut things = [column(0), column(0), column(1)];
             for (x, out) in done.iter_mut().enumerate() {
                 let own = things[1][1];
+                let is_inside = things.as_flattened().iter().all(|thing| *thing == own);
+                #[cfg(nines)]
+                let sums = || nine.gather(x, if is_inside { 0 } else { others(&things) });
+                #[cfg(not(nines))]
+                let sums = || None;
                 *out = if keeps(y * width + x) {
                     near.light[1][x]
-                } else if things.as_flattened().iter().all(|thing| *thing == own) {
+                } else if let Some(sums) = sums() {
+                    near.finished(x, y, &coarse, sums, is_inside)
+                } else if is_inside {
                     near.filtered(x, y, Some(&coarse))
                 } else {
                     near.filtered_at_outline(x, y, &coarse, &things)
@@ -355,6 +381,8 @@ fn finish(
                 things = [things[1], things[2], column(x + 2)];
             }
             core::mem::swap(&mut done, &mut before);
+            #[cfg(nines)]
+            core::mem::swap(&mut above, &mut own);
             // Now `done` is the row before, which nobody asks for any more.
             if y > first {
                 keep(&mut rows[(y - 1 - first) * width..], done);
@@ -522,7 +550,41 @@ fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [
     microlux_asm::gather(own, runs, &EXP)
 }
 
+/// Which of 3 × 3, given by column, is of another thing than the middle one: a bit for each, row by row.
+#[cfg(nines)]
+#[inline(always)]
+fn others(things: &[[u16; 3]; 3]) -> u32 {
+    let mut bits = 0;
+    for (x, column) in things.iter().enumerate() {
+        for (y, thing) in column.iter().enumerate() {
+            bits |= u32::from(*thing != things[1][1]) << (3 * y + x);
+        }
+    }
+    bits
+}
+
 impl Near<'_, 3> {
+    /// [`Self::filtered`], or that at an outline, from its weights and lights by weight.
+    #[inline(always)]
+    fn finished(
+        &self,
+        x: usize,
+        y: usize,
+        coarse: &Coarse,
+        [weight, sum @ ..]: [u32; 4],
+        is_inside: bool,
+    ) -> Light {
+        let head = &self.heads[1][x];
+        let centre = self.light[1][x];
+        let own = Mean { centre, weight, sum }.value();
+        let blend = if is_inside {
+            blend(head)
+        } else {
+            (blend(head) + 256) >> 1
+        };
+        blended(own, coarse.raise(head, x, y), blend)
+    }
+
     /// [`Self::filtered`] where not all of the 3 × 3 are of one thing, by column: another thing's light counts a quarter, and the
     /// coarser size's, which knows no things, half.
     #[inline(never)]
