@@ -26,15 +26,13 @@ fn main() {
             println!("cargo::rustc-cfg=columns");
             println!("cargo::rustc-cfg=normalizes");
             println!("cargo::rustc-cfg=rectangles");
-            println!("cargo::rustc-cfg=gathers");
-            println!("cargo::rustc-cfg=nines");
+            println!("cargo::rustc-cfg=neighbours");
         }
         if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
             println!("cargo::rustc-cfg=layers");
         }
         if is(&["thumbv7em"]) {
             println!("cargo::rustc-cfg=gathers");
-            println!("cargo::rustc-cfg=spreads");
         }
     }
 }

@@ -1,70 +1,102 @@
 use core::arch::{asm, naked_asm};
 use core::mem::offset_of;
-use core::slice;
+use core::ops::Range;
 
 pub(super) type Head = [u8; 8];
 pub(super) type Light = [u16; 3];
 
-/// Pixels that a run may have.
+/// The most rows that there may be, and pixels of each that are asked for.
 const MOST: usize = 5;
 
-/// Pixels side by side.
+/// A row of pixels; in the order in which [`add`] reads it.
 #[repr(C)]
-struct Run {
+#[derive(Clone, Copy)]
+struct Row {
     heads: *const Head,
-    end: *const Head,
     lights: *const Light,
 }
 
-const _: () = assert!(offset_of!(Run, end) == 4 && offset_of!(Run, lights) == 8 && size_of::<Run>() == 12);
+const _: () = assert!(offset_of!(Row, lights) == 4 && size_of::<Row>() == 8);
 
-/// Weights of pixels in runs, and their lights by weight, added up modulo 2^32; five runs at most, and five pixels of each.
-///
-/// A weight is (confidence + 1) / 64 times what `table` says of half the squared distance of both heads' first six bytes
-/// (signed), nothing from 256 on, as if its last entry were 0; confidence is the seventh byte.
-#[inline(always)]
-pub fn gather<const RUNS: usize>(
-    own: &Head,
-    runs: [(&[Head], &[Light]); RUNS],
-    table: &[u8; 256],
-) -> [u32; 4] {
-    const { assert!(RUNS <= MOST) };
-    if !runs.iter().all(|(heads, _)| is_aligned(heads)) || !is_aligned(slice::from_ref(own)) {
-        return plain(own, &runs, table);
-    }
-    let runs = runs.map(|(heads, lights)| {
-        let heads = &heads[..heads.len().min(lights.len()).min(MOST)];
-        let range = heads.as_ptr_range();
-        Run {
-            heads: range.start,
-            end: range.end,
-            lights: lights.as_ptr(),
+/// Rows about one of pixels, which is the middle one.
+pub struct Rows<'a, const ROWS: usize> {
+    /// Those that there are.
+    rows: [Row; ROWS],
+    count: usize,
+    /// Of the middle one.
+    own: *const Head,
+    width: usize,
+    /// For heads that are not whole words.
+    plain: Option<([&'a [Head]; ROWS], [&'a [Light]; ROWS])>,
+}
+
+impl<'a, const ROWS: usize> Rows<'a, ROWS> {
+    /// What is shorter than the middle row counts for nothing; five rows at most, and an odd number.
+    pub fn new(heads: [&'a [Head]; ROWS], lights: [&'a [Light]; ROWS]) -> Rows<'a, ROWS> {
+        const { assert!(ROWS <= MOST && ROWS % 2 == 1) };
+        let width = heads[ROWS / 2].len().min(lights[ROWS / 2].len());
+        let mut rows = [Row {
+            heads: heads[ROWS / 2].as_ptr(),
+            lights: lights[ROWS / 2].as_ptr(),
+        }; ROWS];
+        let (mut count, mut is_plain) = (0, false);
+        for (heads, lights) in heads.iter().zip(lights) {
+            if heads.len() >= width && lights.len() >= width {
+                is_plain |= !is_aligned(heads);
+                rows[count] = Row {
+                    heads: heads.as_ptr(),
+                    lights: lights.as_ptr(),
+                };
+                count += 1;
+            }
         }
-    });
-    let range = runs.as_ptr_range();
-    let (weight, r, g, b);
-    // SAFETY: `runs` are five at most, of five heads at most each, whole words, and have as many lights; an index into `table` is
-    // under 256. `add` gives back r6 and r7.
-    unsafe {
-        asm!(
-            "bl {add}",
-            add = sym add,
-            inout("r0") range.start => weight,
-            inout("r1") range.end => r,
-            inout("r2") own => g,
-            inout("r3") table => b,
-            lateout("r4") _,
-            lateout("r5") _,
-            lateout("r8") _,
-            lateout("r9") _,
-            lateout("r10") _,
-            lateout("r11") _,
-            lateout("r12") _,
-            lateout("lr") _,
-            options(pure, readonly),
-        );
+        Rows {
+            rows,
+            count,
+            own: heads[ROWS / 2].as_ptr(),
+            width,
+            plain: is_plain.then_some((heads, lights)),
+        }
     }
-    [weight, r, g, b]
+
+    /// Weights of pixels about number `x` of the middle row, `ROWS` a row where there are as many, and their lights by weight,
+    /// added up modulo 2^32.
+    ///
+    /// A weight is (confidence + 1) / 64 times what `table` says of half the squared distance of both heads' first six bytes
+    /// (signed), nothing from 256 on, as if its last entry were 0; confidence is the seventh byte.
+    #[inline(always)]
+    pub fn gather(&self, x: usize, table: &[u8; 256]) -> [u32; 4] {
+        if x >= self.width {
+            return [0; 4];
+        }
+        let (first, end) = (x.saturating_sub(ROWS / 2), (x + ROWS / 2 + 1).min(self.width));
+        if let Some((heads, lights)) = &self.plain {
+            return plain(&heads[ROWS / 2][x], heads, lights, first..end, table);
+        }
+        let (weight, r, g, b);
+        // SAFETY: `count` rows, five at most, have pixels number `first` to `end`, five at most, and the middle one has number x;
+        // heads are whole words, an index into `table` is under 256. `add` gives back r6 and r7.
+        unsafe {
+            asm!(
+                "bl {add}",
+                add = sym add,
+                inout("r0") self.rows.as_ptr() => weight,
+                inout("r1") self.rows.as_ptr().add(self.count) => r,
+                inout("r2") self.own.add(x) => g,
+                inout("r3") table => b,
+                inout("r4") first => _,
+                inout("r5") end - first => _,
+                lateout("r8") _,
+                lateout("r9") _,
+                lateout("r10") _,
+                lateout("r11") _,
+                lateout("r12") _,
+                lateout("lr") _,
+                options(pure, readonly),
+            );
+        }
+        [weight, r, g, b]
+    }
 }
 
 /// Whether heads are whole words.
@@ -73,12 +105,19 @@ pub(super) fn is_aligned(heads: &[Head]) -> bool {
     heads.as_ptr().addr().is_multiple_of(4)
 }
 
-/// What [`gather`] does, for heads that are not whole words.
+/// What [`Rows::gather`] does, for heads that are not whole words.
 #[cold]
-fn plain(own: &Head, runs: &[(&[Head], &[Light])], table: &[u8; 256]) -> [u32; 4] {
+fn plain(
+    own: &Head,
+    heads: &[&[Head]],
+    lights: &[&[Light]],
+    columns: Range<usize>,
+    table: &[u8; 256],
+) -> [u32; 4] {
     let mut sums = [0u32; 4];
-    for (heads, lights) in runs {
-        for (head, light) in heads.iter().zip(*lights).take(MOST) {
+    for (heads, lights) in heads.iter().zip(lights) {
+        let (heads, lights) = (heads.get(columns.clone()), lights.get(columns.clone()));
+        for (head, light) in heads.into_iter().flatten().zip(lights.into_iter().flatten()) {
             let apart = |i: usize| i32::from(own[i] as i8) - i32::from(head[i] as i8);
             let square: i32 = (0..6).map(|i| apart(i) * apart(i)).sum();
             let affinity = u32::from(table[(square / 2).min(255) as usize]);
@@ -125,36 +164,37 @@ macro_rules! channel {
     };
 }
 
-/// r0, r1: the first run and behind the last, then two of the sums. r2: own head, and r3: table, then the others. r4, r5, r8 to
-/// r12 and lr are not kept.
+/// r0, r1: the first row and behind the last, then two of the sums. r2: own head, and r3: table, then the others. r4: the number
+/// of the first pixel of a row, r5: how many. These, r8 to r12 and lr are not kept.
 ///
 /// All weights are made before the first light is looked at: own bytes and sums are ten registers. Cycles of a pixel: 64; 22 where
 /// two bytes of it say enough.
 ///
 /// # Safety
 ///
-/// All four point to what they say, and no more than 25 pixels are in the runs.
+/// All point to what they say; rows and pixels of each are five at most, and one at least.
 #[unsafe(naked)]
 unsafe extern "C" fn add() {
     naked_asm!(
         "push {{r0, r1, r6, r7, lr}}",
-        "push {{r0}}",
+        "lsls r5, r5, #3",
+        "push {{r0, r4, r5}}",
         "sub sp, #100",
         "mov r6, r3",
         "ldmia r2!, {{r0, r1}}",
         own!(),
         "mov r7, sp",
-        // A run's weights, from r7 on.
-        "20:",
+        // A row's weights, from r7 on.
         "ldr r0, [sp, #100]",
-        "ldr r1, [sp, #108]",
-        "cmp r0, r1",
-        "beq 30f",
-        "ldmia r0!, {{r4, r5}}",
-        "adds r0, #4",
+        "20:",
+        "ldr r4, [r0]",
+        "adds r0, #8",
         "str r0, [sp, #100]",
-        "cmp r4, r5",
-        "beq 20b",
+        "ldr r5, [sp, #104]",
+        "lsls r5, r5, #3",
+        "adds r4, r4, r5",
+        "ldr r5, [sp, #108]",
+        "adds r5, r5, r4",
         "22:",
         "ldmia r4!, {{r0, r1}}",
         "asrs r2, r0, #24",
@@ -180,14 +220,18 @@ unsafe extern "C" fn add() {
         "stmia r7!, {{r2}}",
         "cmp r4, r5",
         "bne 22b",
-        "b 20b",
+        "ldr r0, [sp, #100]",
+        "ldr r1, [sp, #116]",
+        "cmp r0, r1",
+        "bne 20b",
+        "b 30f",
         "28:",
         "movs r2, #0",
         "b 24b",
-        // Their lights; r8 to r9 are the runs, r10 is the end of one's weights.
+        // Their lights; r8 to r9 are the rows, r10 is the end of one's weights.
         "30:",
-        "mov r9, r0",
-        "ldr r4, [sp, #104]",
+        "mov r9, r1",
+        "ldr r4, [sp, #112]",
         "mov r8, r4",
         "mov r7, sp",
         "movs r0, #0",
@@ -195,18 +239,19 @@ unsafe extern "C" fn add() {
         "movs r2, #0",
         "movs r3, #0",
         "31:",
-        "cmp r8, r9",
-        "beq 39f",
         "mov r6, r8",
-        "ldmia r6!, {{r4, r5}}",
-        "subs r5, r5, r4",
+        "ldr r4, [r6, #4]",
+        "adds r6, #8",
+        "mov r8, r6",
+        "ldr r5, [sp, #104]",
+        "lsls r6, r5, #2",
+        "lsls r5, r5, #1",
+        "adds r4, r4, r6",
+        "adds r4, r4, r5",
+        "ldr r5, [sp, #108]",
         "lsrs r5, r5, #1",
         "adds r5, r5, r7",
         "mov r10, r5",
-        "ldmia r6!, {{r4}}",
-        "mov r8, r6",
-        "cmp r7, r10",
-        "beq 31b",
         "32:",
         "ldmia r7!, {{r5}}",
         "cmp r5, #0",
@@ -219,9 +264,9 @@ unsafe extern "C" fn add() {
         "adds r4, #6",
         "cmp r7, r10",
         "bne 32b",
-        "b 31b",
-        "39:",
-        "add sp, #112",
+        "cmp r8, r9",
+        "bne 31b",
+        "add sp, #120",
         "pop {{r6, r7, pc}}",
     )
 }

@@ -130,15 +130,15 @@ fn mean_of_alike(centre: Light, others: [Light; 3]) -> Light {
     out
 }
 
-#[cfg(spreads)]
+#[cfg(gathers)]
 use microlux_asm::Spread;
 
 /// A head's features.
-#[cfg(not(spreads))]
+#[cfg(not(gathers))]
 #[derive(Clone, Copy)]
 struct Spread([i32; FEATURES]);
 
-#[cfg(not(spreads))]
+#[cfg(not(gathers))]
 impl Spread {
     #[inline(always)]
     fn of(head: &Head) -> Spread {
@@ -278,7 +278,7 @@ pub(super) struct Ring<'a> {
     /// The heads of the other worker's nearest row.
     beyond: &'a mut [Head],
     /// Affinities of the row before and of this one with each pixel's neighbours: see [`microlux_asm::kins`].
-    #[cfg(nines)]
+    #[cfg(neighbours)]
     kins: [&'a mut [[u8; 4]]; 2],
     /// Three rows of light as it was; row y is number y modulo 3.
     light: &'a mut [Light],
@@ -301,11 +301,46 @@ impl<'a> Ring<'a> {
         let (two, _) = lights(rest, width);
         Ring {
             beyond: beyond.as_chunks_mut().0,
-            #[cfg(nines)]
+            #[cfg(neighbours)]
             kins: _affinities.as_chunks_mut().0.split_at_mut(width).into(),
             light,
             done: [one, two],
         }
+    }
+}
+
+/// What is known of a row's outlines: each column of three is looked at once.
+struct Edges {
+    /// The number in the middle of the last column.
+    last: u16,
+    /// From the last back, a bit for each column that is of more than one thing, or whose middle is another than the one before.
+    bits: u32,
+}
+
+impl Edges {
+    /// Of the first column, which is also the one before it.
+    fn new(column: [u16; 3]) -> Edges {
+        let mut edges = Edges {
+            last: column[1],
+            bits: 0,
+        };
+        edges.see(column);
+        edges
+    }
+
+    #[inline(always)]
+    fn see(&mut self, [above, own, below]: [u16; 3]) {
+        self.bits =
+            self.bits << 2 | u32::from(above != own || below != own) << 1 | u32::from(own != self.last);
+        self.last = own;
+    }
+
+    /// Whether all about the last column's middle are of one thing, given the column after it.
+    #[inline(always)]
+    fn next_is_inside(&mut self, column: [u16; 3]) -> bool {
+        self.see(column);
+        // Three columns, and two steps between them.
+        self.bits & 0b10_11_11 == 0
     }
 }
 
@@ -324,7 +359,7 @@ fn finish(
             light: near_light,
             done: [mut done, mut before],
             beyond,
-            #[cfg(nines)]
+            #[cfg(neighbours)]
                 kins: [mut above, mut own],
         } = ring;
         let end = first + rows.len() / width;
@@ -342,14 +377,14 @@ fn finish(
                 Some(row) if y < end => &rows[row * width..][..width],
                 _ => &*beyond,
             };
-            let near: Near<3> = Near {
-                light: core::array::from_fn(|i| match (y + i).checked_sub(1) {
+            let near: Near<3> = Near::new(
+                core::array::from_fn(|i| match (y + i).checked_sub(1) {
                     Some(y) if y < height => &near_light[at(y)],
                     _ => &[],
                 }),
-                heads: core::array::from_fn(|i| (y + i).checked_sub(1).map_or(&[][..], heads)),
-            };
-            #[cfg(nines)]
+                core::array::from_fn(|i| (y + i).checked_sub(1).map_or(&[][..], heads)),
+            );
+            #[cfg(neighbours)]
             let nine = {
                 let [upper, middle, lower] = near.heads;
                 if y == first {
@@ -361,13 +396,13 @@ fn finish(
             // What is beside the picture counts for nothing, whatever its number is.
             let lines = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| y * width);
             let column = |x: usize| lines.map(|line| thing(line + x.min(width - 1)));
-            let mut things = [column(0), column(0), column(1)];
+            let things = |x: usize| [column(x.saturating_sub(1)), column(x), column(x + 1)];
+            let mut edges = Edges::new(column(0));
             for (x, out) in done.iter_mut().enumerate() {
-                let own = things[1][1];
-                let is_inside = things.as_flattened().iter().all(|thing| *thing == own);
-                #[cfg(nines)]
-                let sums = || nine.gather(x, if is_inside { 0 } else { others(&things) });
-                #[cfg(not(nines))]
+                let is_inside = edges.next_is_inside(column(x + 1));
+                #[cfg(neighbours)]
+                let sums = || nine.gather(x, if is_inside { 0 } else { others(&things(x)) });
+                #[cfg(not(neighbours))]
                 let sums = || None;
                 *out = if keeps(y * width + x) {
                     near.light[1][x]
@@ -376,12 +411,11 @@ fn finish(
                 } else if is_inside {
                     near.filtered(x, y, Some(&coarse))
                 } else {
-                    near.filtered_at_outline(x, y, &coarse, &things)
+                    near.filtered_at_outline(x, y, &coarse, &things(x))
                 };
-                things = [things[1], things[2], column(x + 2)];
             }
             core::mem::swap(&mut done, &mut before);
-            #[cfg(nines)]
+            #[cfg(neighbours)]
             core::mem::swap(&mut above, &mut own);
             // Now `done` is the row before, which nobody asks for any more.
             if y > first {
@@ -467,10 +501,7 @@ impl<'a> Plane<'a> {
         let width = self.shape.width;
         halves(pair, out, width, |first, rows| {
             for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
-                let near: Near<5> = Near {
-                    light: rows_about(light, width, y),
-                    heads: rows_about(self.heads, width, y),
-                };
+                let near: Near<5> = Near::new(rows_about(light, width, y), rows_about(self.heads, width, y));
                 for (x, out) in row.iter_mut().enumerate() {
                     *out = near.filtered(x, y, coarse.as_ref());
                 }
@@ -491,9 +522,20 @@ fn rows_about<T, const ROWS: usize>(all: &[T], width: usize, y: usize) -> [&[T];
 struct Near<'a, const ROWS: usize> {
     light: [&'a [Light]; ROWS],
     heads: [&'a [Head]; ROWS],
+    #[cfg(neighbours)]
+    rows: microlux_asm::Rows<'a, ROWS>,
 }
 
-impl<const ROWS: usize> Near<'_, ROWS> {
+impl<'a, const ROWS: usize> Near<'a, ROWS> {
+    fn new(light: [&'a [Light]; ROWS], heads: [&'a [Head]; ROWS]) -> Self {
+        Near {
+            light,
+            heads,
+            #[cfg(neighbours)]
+            rows: microlux_asm::Rows::new(heads, light),
+        }
+    }
+
     /// Pixel x of the middle row, which is number y: the mean about it, blended with the coarser size if there is one.
     #[inline(always)]
     fn filtered(&self, x: usize, y: usize, coarse: Option<&Coarse>) -> Light {
@@ -507,8 +549,12 @@ impl<const ROWS: usize> Near<'_, ROWS> {
 
     /// The mean of `ROWS`² pixels by affinity and confidence; those beyond the edge count for nothing.
     #[inline(always)]
+    #[cfg_attr(neighbours, expect(unused_variables, reason = "the rows know it"))]
     fn mean(&self, x: usize, head: &Head) -> Light {
         // raw: a weight is 1020 at most, 25 of them are under 2^15; the centre's is 3 at least.
+        #[cfg(neighbours)]
+        let [weight, sum @ ..] = self.rows.gather(x, &EXP);
+        #[cfg(not(neighbours))]
         let [weight, sum @ ..] = gather(head, self.runs(x));
         let centre = self.light[ROWS / 2][x];
         Mean { centre, weight, sum }.value()
@@ -530,7 +576,7 @@ impl<const ROWS: usize> Near<'_, ROWS> {
 }
 
 /// Weights of pixels in runs by affinity and confidence, and their lights by weight.
-#[cfg(not(gathers))]
+#[cfg(not(any(gathers, neighbours)))]
 #[inline(always)]
 fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [u32; 4] {
     let own = Spread::of(own);
@@ -551,7 +597,7 @@ fn gather<const RUNS: usize>(own: &Head, runs: [(&[Head], &[Light]); RUNS]) -> [
 }
 
 /// Which of 3 × 3, given by column, is of another thing than the middle one: a bit for each, row by row.
-#[cfg(nines)]
+#[cfg(neighbours)]
 #[inline(always)]
 fn others(things: &[[u16; 3]; 3]) -> u32 {
     let mut bits = 0;
