@@ -90,6 +90,7 @@ macro_rules! cut {
 pub(crate) mod column;
 pub(crate) mod facets;
 pub(crate) mod gather;
+pub(crate) mod mean;
 pub(crate) mod nine;
 pub(crate) mod normalize;
 pub(crate) mod pixel;

@@ -1,5 +1,8 @@
 use super::{FEATURES, Head, Light, Network, NetworkError, Scratch, Shape, halves};
 use crate::film::denoise::Pair;
+#[cfg(neighbours)]
+use crate::num::{BYTE_ZEROS, RECIPS};
+#[cfg(not(neighbours))]
 use crate::num::{leading_zeros, short_recip};
 use zerocopy::{FromBytes, IntoBytes};
 
@@ -50,7 +53,18 @@ impl Mean {
         }
     }
 
+    #[cfg(neighbours)]
+    #[inline(always)]
+    fn value(&self) -> Light {
+        static TABLES: microlux_asm::Tables = microlux_asm::Tables {
+            zeros: &BYTE_ZEROS,
+            recips: &RECIPS,
+        };
+        microlux_asm::mean(self.weight, self.sum, &self.centre, &TABLES)
+    }
+
     /// Error: 2^-13.5 of the difference at most, and half a step.
+    #[cfg(not(neighbours))]
     #[inline(always)]
     fn value(&self) -> Light {
         let zeros = leading_zeros(self.weight);
@@ -70,6 +84,7 @@ impl Mean {
 }
 
 /// a / b, rounded, where `short` is 2^31 over b's upper 16 bits and `zeros` those before them; a ≥ 1, a / b ≤ 2^16.
+#[cfg(not(neighbours))]
 #[inline(always)]
 fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
     let before = leading_zeros(a);
@@ -96,6 +111,15 @@ const FAR: u32 = {
     2 * i as u32
 };
 
+/// The difference of one feature from which it is that far.
+const REACH: i32 = {
+    let mut apart = 0;
+    while ((apart * apart) as u32) < FAR {
+        apart += 1;
+    }
+    apart
+};
+
 /// The feature in which heads of two sizes differ most, of [`TRAINED`](super::TRAINED).
 const UNLIKE: usize = 3;
 
@@ -103,7 +127,7 @@ const UNLIKE: usize = 3;
 #[inline(always)]
 fn is_far(a: &Head, b: &Head) -> bool {
     let apart = i32::from(a[UNLIKE] as i8) - i32::from(b[UNLIKE] as i8);
-    (apart * apart) as u32 >= FAR
+    apart.abs() >= REACH
 }
 
 /// The mean of four lights that weigh 1 each.
@@ -397,6 +421,7 @@ fn finish(
             let lines = [y.saturating_sub(1), y, (y + 1).min(height - 1)].map(|y| y * width);
             let column = |x: usize| lines.map(|line| thing(line + x.min(width - 1)));
             let things = |x: usize| [column(x.saturating_sub(1)), column(x), column(x + 1)];
+            let coarse = coarse.about(y);
             let mut edges = Edges::new(column(0));
             for (x, out) in done.iter_mut().enumerate() {
                 let is_inside = edges.next_is_inside(column(x + 1));
@@ -407,11 +432,11 @@ fn finish(
                 *out = if keeps(y * width + x) {
                     near.light[1][x]
                 } else if let Some(sums) = sums() {
-                    near.finished(x, y, &coarse, sums, is_inside)
+                    near.finished(x, &coarse, sums, is_inside)
                 } else if is_inside {
-                    near.filtered(x, y, Some(&coarse))
+                    near.filtered(x, Some(&coarse))
                 } else {
-                    near.filtered_at_outline(x, y, &coarse, &things(x))
+                    near.filtered_at_outline(x, &coarse, &things(x))
                 };
             }
             core::mem::swap(&mut done, &mut before);
@@ -502,8 +527,9 @@ impl<'a> Plane<'a> {
         halves(pair, out, width, |first, rows| {
             for (y, row) in (first..).zip(rows.chunks_exact_mut(width)) {
                 let near: Near<5> = Near::new(rows_about(light, width, y), rows_about(self.heads, width, y));
+                let coarse = coarse.map(|coarse| coarse.about(y));
                 for (x, out) in row.iter_mut().enumerate() {
-                    *out = near.filtered(x, y, coarse.as_ref());
+                    *out = near.filtered(x, coarse.as_ref());
                 }
             }
         });
@@ -536,13 +562,13 @@ impl<'a, const ROWS: usize> Near<'a, ROWS> {
         }
     }
 
-    /// Pixel x of the middle row, which is number y: the mean about it, blended with the coarser size if there is one.
+    /// Pixel x of the middle row: the mean about it, blended with the coarser size if there is one.
     #[inline(always)]
-    fn filtered(&self, x: usize, y: usize, coarse: Option<&Coarse>) -> Light {
+    fn filtered(&self, x: usize, coarse: Option<&Beside>) -> Light {
         let head = &self.heads[ROWS / 2][x];
         let own = self.mean(x, head);
         match coarse {
-            Some(coarse) => blended(own, coarse.raise(head, x, y), blend(head)),
+            Some(coarse) => blended(own, coarse.raise(head, x), blend(head)),
             None => own,
         }
     }
@@ -612,14 +638,7 @@ fn others(things: &[[u16; 3]; 3]) -> u32 {
 impl Near<'_, 3> {
     /// [`Self::filtered`], or that at an outline, from its weights and lights by weight.
     #[inline(always)]
-    fn finished(
-        &self,
-        x: usize,
-        y: usize,
-        coarse: &Coarse,
-        [weight, sum @ ..]: [u32; 4],
-        is_inside: bool,
-    ) -> Light {
+    fn finished(&self, x: usize, coarse: &Beside, [weight, sum @ ..]: [u32; 4], is_inside: bool) -> Light {
         let head = &self.heads[1][x];
         let centre = self.light[1][x];
         let own = Mean { centre, weight, sum }.value();
@@ -628,13 +647,13 @@ impl Near<'_, 3> {
         } else {
             (blend(head) + 256) >> 1
         };
-        blended(own, coarse.raise(head, x, y), blend)
+        blended(own, coarse.raise(head, x), blend)
     }
 
     /// [`Self::filtered`] where not all of the 3 × 3 are of one thing, by column: another thing's light counts a quarter, and the
     /// coarser size's, which knows no things, half.
     #[inline(never)]
-    fn filtered_at_outline(&self, x: usize, y: usize, coarse: &Coarse, things: &[[u16; 3]; 3]) -> Light {
+    fn filtered_at_outline(&self, x: usize, coarse: &Beside, things: &[[u16; 3]; 3]) -> Light {
         let head = &self.heads[1][x];
         let own = Spread::of(head);
         let mut mean = Mean::new(self.light[1][x], 0);
@@ -647,7 +666,7 @@ impl Near<'_, 3> {
                 mean.add(*light, if is_other { weight >> 2 } else { weight });
             }
         }
-        blended(mean.value(), coarse.raise(head, x, y), (blend(head) + 256) >> 1)
+        blended(mean.value(), coarse.raise(head, x), (blend(head) + 256) >> 1)
     }
 }
 
@@ -675,36 +694,55 @@ struct Coarse<'a> {
     plane: Plane<'a>,
 }
 
-impl Coarse<'_> {
-    /// What the four nearest coarse pixels say of a fine one, by affinity.
+impl<'a> Coarse<'a> {
+    /// What row y of the finer size is raised from.
+    fn about(self, y: usize) -> Beside<'a> {
+        let Shape { width, height } = self.plane.shape;
+        let near = y >> 1;
+        let far = if y & 1 == 0 {
+            near.saturating_sub(1)
+        } else {
+            (near + 1).min(height - 1)
+        };
+        let row = |y: usize| {
+            (
+                &self.plane.heads[y * width..][..width],
+                &self.light[y * width..][..width],
+            )
+        };
+        Beside {
+            near: row(near),
+            far: row(far),
+        }
+    }
+}
+
+/// A row of coarse pixels, and the one that is next to it from a finer one's: heads and light.
+struct Beside<'a> {
+    near: (&'a [Head], &'a [Light]),
+    far: (&'a [Head], &'a [Light]),
+}
+
+impl Beside<'_> {
+    /// What the four nearest coarse pixels say of pixel x, by affinity.
     #[inline(always)]
-    fn raise(&self, head: &Head, x: usize, y: usize) -> Light {
-        let Plane {
-            heads,
-            shape: Shape { width, height },
-        } = self.plane;
-        let (near_x, near_y) = (x >> 1, y >> 1);
-        let far_x = if x & 1 == 0 {
-            near_x.saturating_sub(1)
+    fn raise(&self, head: &Head, x: usize) -> Light {
+        let (near_row, far_row) = (self.near, self.far);
+        let near = x >> 1;
+        let far = if x & 1 == 0 {
+            near.saturating_sub(1)
         } else {
-            (near_x + 1).min(width - 1)
+            (near + 1).min(near_row.0.len() - 1)
         };
-        let far_y = if y & 1 == 0 {
-            near_y.saturating_sub(1)
-        } else {
-            (near_y + 1).min(height - 1)
-        };
-        let near = near_y * width + near_x;
-        let others = [(far_x, near_y, 3), (near_x, far_y, 3), (far_x, far_y, 1)];
-        let others = others.map(|(x, y, share)| (y * width + x, share));
+        let others = [(near_row, far, 3), (far_row, near, 3), (far_row, far, 1)];
         // Then they count for nothing, and the mean of one is itself.
-        if others.iter().all(|&(place, _)| is_far(head, &heads[place])) {
-            return self.light[near];
+        if others.iter().all(|&((heads, _), x, _)| is_far(head, &heads[x])) {
+            return near_row.1[near];
         }
         let head = Spread::of(head);
-        let mut mean = Mean::new(self.light[near], 9 * affinity(head, &heads[near]) + 1);
-        for (place, share) in others {
-            mean.add(self.light[place], share * affinity(head, &heads[place]));
+        let mut mean = Mean::new(near_row.1[near], 9 * affinity(head, &near_row.0[near]) + 1);
+        for ((heads, light), x, share) in others {
+            mean.add(light[x], share * affinity(head, &heads[x]));
         }
         mean.value()
     }
