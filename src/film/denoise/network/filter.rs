@@ -28,6 +28,12 @@ pub static EXP: [u8; 256] = {
     table
 };
 
+#[cfg(neighbours)]
+static TABLES: microlux_asm::Tables = microlux_asm::Tables {
+    zeros: &BYTE_ZEROS,
+    recips: &RECIPS,
+};
+
 /// A mean about a centre: the weights, and the lights by weight.
 struct Mean {
     centre: Light,
@@ -56,10 +62,6 @@ impl Mean {
     #[cfg(neighbours)]
     #[inline(always)]
     fn value(&self) -> Light {
-        static TABLES: microlux_asm::Tables = microlux_asm::Tables {
-            zeros: &BYTE_ZEROS,
-            recips: &RECIPS,
-        };
         microlux_asm::mean(self.weight, self.sum, &self.centre, &TABLES)
     }
 
@@ -426,17 +428,23 @@ fn finish(
             for (x, out) in done.iter_mut().enumerate() {
                 let is_inside = edges.next_is_inside(column(x + 1));
                 #[cfg(neighbours)]
-                let sums = || nine.gather(x, if is_inside { 0 } else { others(&things(x)) });
+                let filtered = || match nine.gather(x, if is_inside { 0 } else { others(&things(x)) }) {
+                    Some(sums) => near.finished(x, &coarse, sums, is_inside),
+                    None if is_inside => near.filtered_at_edge(x, &coarse),
+                    None => near.filtered_at_outline(x, &coarse, &things(x)),
+                };
                 #[cfg(not(neighbours))]
-                let sums = || None;
+                let filtered = || {
+                    if is_inside {
+                        near.filtered(x, Some(&coarse))
+                    } else {
+                        near.filtered_at_outline(x, &coarse, &things(x))
+                    }
+                };
                 *out = if keeps(y * width + x) {
                     near.light[1][x]
-                } else if let Some(sums) = sums() {
-                    near.finished(x, &coarse, sums, is_inside)
-                } else if is_inside {
-                    near.filtered(x, Some(&coarse))
                 } else {
-                    near.filtered_at_outline(x, &coarse, &things(x))
+                    filtered()
                 };
             }
             core::mem::swap(&mut done, &mut before);
@@ -582,8 +590,16 @@ impl<'a, const ROWS: usize> Near<'a, ROWS> {
         let [weight, sum @ ..] = self.rows.gather(x, &EXP);
         #[cfg(not(neighbours))]
         let [weight, sum @ ..] = gather(head, self.runs(x));
-        let centre = self.light[ROWS / 2][x];
-        Mean { centre, weight, sum }.value()
+        let centre = &self.light[ROWS / 2][x];
+        #[cfg(neighbours)]
+        return microlux_asm::mean(weight, sum, centre, &TABLES);
+        #[cfg(not(neighbours))]
+        Mean {
+            centre: *centre,
+            weight,
+            sum,
+        }
+        .value()
     }
 
     /// Heads and light of each row about a pixel, as far as there are any.
@@ -636,12 +652,19 @@ fn others(things: &[[u16; 3]; 3]) -> u32 {
 }
 
 impl Near<'_, 3> {
+    /// [`Self::filtered`] of what has not all of its neighbours.
+    #[cfg(neighbours)]
+    #[inline(never)]
+    fn filtered_at_edge(&self, x: usize, coarse: &Beside) -> Light {
+        self.filtered(x, Some(coarse))
+    }
+
     /// [`Self::filtered`], or that at an outline, from its weights and lights by weight.
+    #[cfg(neighbours)]
     #[inline(always)]
     fn finished(&self, x: usize, coarse: &Beside, [weight, sum @ ..]: [u32; 4], is_inside: bool) -> Light {
         let head = &self.heads[1][x];
-        let centre = self.light[1][x];
-        let own = Mean { centre, weight, sum }.value();
+        let own = microlux_asm::mean(weight, sum, &self.light[1][x], &TABLES);
         let blend = if is_inside {
             blend(head)
         } else {
@@ -734,14 +757,22 @@ impl Beside<'_> {
         } else {
             (near + 1).min(near_row.0.len() - 1)
         };
-        let others = [(near_row, far, 3), (far_row, near, 3), (far_row, far, 1)];
-        // Then they count for nothing, and the mean of one is itself.
-        if others.iter().all(|&((heads, _), x, _)| is_far(head, &heads[x])) {
-            return near_row.1[near];
+        // Then the others count for nothing, and the mean of one is itself.
+        let is_alone =
+            is_far(head, &near_row.0[far]) && is_far(head, &far_row.0[near]) && is_far(head, &far_row.0[far]);
+        if is_alone {
+            near_row.1[near]
+        } else {
+            self.mixed(head, near, far)
         }
+    }
+
+    #[inline(never)]
+    fn mixed(&self, head: &Head, near: usize, far: usize) -> Light {
+        let (near_row, far_row) = (self.near, self.far);
         let head = Spread::of(head);
         let mut mean = Mean::new(near_row.1[near], 9 * affinity(head, &near_row.0[near]) + 1);
-        for ((heads, light), x, share) in others {
+        for ((heads, light), x, share) in [(near_row, far, 3), (far_row, near, 3), (far_row, far, 1)] {
             mean.add(light[x], share * affinity(head, &heads[x]));
         }
         mean.value()
