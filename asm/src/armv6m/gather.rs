@@ -156,18 +156,46 @@ macro_rules! own {
 }
 pub(super) use own;
 
-/// `$at` bytes from r4, a channel by weight r5 onto `$sum`.
+/// The weight of the head at r4 to r7; both move on.
 #[rustfmt::skip]
-macro_rules! channel {
-    ($at:literal, $sum:literal) => {
-        concat!("ldrh r6, [r4, #", $at, "]; muls r6, r5, r6; adds ", $sum, ", ", $sum, ", r6;")
+macro_rules! weight {
+    () => {
+        concat!(
+            "ldmia r4!, {{r0, r1}};",
+            "asrs r2, r0, #24; add r2, r11; muls r2, r2, r2;",
+            square!("sxtb r3, r0", "r8"),
+            "lsrs r3, r2, #9; bne 1f;",
+            square!("lsls r3, r0, #16; asrs r3, r3, #24", "r9"),
+            square!("lsls r3, r0, #8; asrs r3, r3, #24", "r10"),
+            square!("sxtb r3, r1", "r12"),
+            square!("lsls r3, r1, #16; asrs r3, r3, #24", "lr"),
+            "lsrs r3, r2, #9; beq 2f;",
+            "1: movs r2, #0; b 3f;",
+            "2: lsrs r2, r2, #1; ldrb r2, [r6, r2];",
+            "lsls r1, r1, #8; lsrs r1, r1, #24; muls r1, r2, r1; adds r2, r2, r1; lsrs r2, r2, #6;",
+            "3: stmia r7!, {{r2}};",
+        )
+    };
+}
+
+/// The light `$at` bytes from r4 by the weight at r7, which moves on.
+#[rustfmt::skip]
+macro_rules! light {
+    ($at:literal) => {
+        concat!(
+            "ldmia r7!, {{r5}}; cmp r5, #0; beq 1f; adds r0, r0, r5;",
+            "ldrh r6, [r4, #", $at, "]; muls r6, r5, r6; adds r1, r1, r6;",
+            "ldrh r6, [r4, #", $at, " + 2]; muls r6, r5, r6; adds r2, r2, r6;",
+            "ldrh r6, [r4, #", $at, " + 4]; muls r6, r5, r6; adds r3, r3, r6;",
+            "1:",
+        )
     };
 }
 
 /// r0, r1: the first row and behind the last, then two of the sums. r2: own head, and r3: table, then the others. r4: the number
 /// of the first pixel of a row, r5: how many. These, r8 to r12 and lr are not kept.
 ///
-/// All weights are made before the first light is looked at: own bytes and sums are ten registers. Cycles of a pixel: 64; 22 where
+/// All weights are made before the first light is looked at: own bytes and sums are ten registers. Cycles of a pixel: 58; 22 where
 /// two bytes of it say enough.
 ///
 /// # Safety
@@ -194,40 +222,21 @@ unsafe extern "C" fn add() {
         "lsls r5, r5, #3",
         "adds r4, r4, r5",
         "ldr r5, [sp, #108]",
+        "cmp r5, #40",
+        "bne 21f",
+        "b 50f",
+        "21:",
         "adds r5, r5, r4",
         "22:",
-        "ldmia r4!, {{r0, r1}}",
-        "asrs r2, r0, #24",
-        "add r2, r11",
-        "muls r2, r2, r2",
-        square!("sxtb r3, r0", "r8"),
-        "lsrs r3, r2, #9",
-        "bne 28f",
-        square!("lsls r3, r0, #16; asrs r3, r3, #24", "r9"),
-        square!("lsls r3, r0, #8; asrs r3, r3, #24", "r10"),
-        square!("sxtb r3, r1", "r12"),
-        square!("lsls r3, r1, #16; asrs r3, r3, #24", "lr"),
-        "lsrs r3, r2, #9",
-        "bne 28f",
-        "lsrs r2, r2, #1",
-        "ldrb r2, [r6, r2]",
-        "lsls r1, r1, #8",
-        "lsrs r1, r1, #24",
-        "muls r1, r2, r1",
-        "adds r2, r2, r1",
-        "lsrs r2, r2, #6",
-        "24:",
-        "stmia r7!, {{r2}}",
+        weight!(),
         "cmp r4, r5",
         "bne 22b",
+        "26:",
         "ldr r0, [sp, #100]",
         "ldr r1, [sp, #116]",
         "cmp r0, r1",
         "bne 20b",
         "b 30f",
-        "28:",
-        "movs r2, #0",
-        "b 24b",
         // Their lights; r8 to r9 are the rows, r10 is the end of one's weights.
         "30:",
         "mov r9, r1",
@@ -249,24 +258,37 @@ unsafe extern "C" fn add() {
         "adds r4, r4, r6",
         "adds r4, r4, r5",
         "ldr r5, [sp, #108]",
+        "cmp r5, #40",
+        "bne 33f",
+        "b 60f",
+        "33:",
         "lsrs r5, r5, #1",
         "adds r5, r5, r7",
         "mov r10, r5",
         "32:",
-        "ldmia r7!, {{r5}}",
-        "cmp r5, #0",
-        "beq 34f",
-        "adds r0, r0, r5",
-        channel!(0, "r1"),
-        channel!(2, "r2"),
-        channel!(4, "r3"),
-        "34:",
+        light!(0),
         "adds r4, #6",
         "cmp r7, r10",
         "bne 32b",
+        "36:",
         "cmp r8, r9",
         "bne 31b",
         "add sp, #120",
         "pop {{r6, r7, pc}}",
+        // Whole rows.
+        "50:",
+        weight!(),
+        weight!(),
+        weight!(),
+        weight!(),
+        weight!(),
+        "b 26b",
+        "60:",
+        light!(0),
+        light!(6),
+        light!(12),
+        light!(18),
+        light!(24),
+        "b 36b",
     )
 }

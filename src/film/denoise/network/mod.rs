@@ -26,9 +26,11 @@
 mod columns;
 mod extract;
 mod filter;
+mod finest;
 mod input;
 mod last;
 mod layer;
+mod mean;
 mod neural;
 #[cfg(not(columns))]
 mod packed;
@@ -36,9 +38,9 @@ mod packed;
 mod plain;
 mod weights;
 
-pub use filter::EXP;
 pub use input::{INPUTS, Input, exposure, irradiance};
 pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError, layers};
+pub use mean::EXP;
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
 
@@ -90,7 +92,7 @@ impl Needs {
         let (head, light) = (size_of::<Head>(), size_of::<Light>());
         let extraction = CHANNELS[1] * half + 2 * Shape::ring(width);
         let coarser = head * (half + quarter) + light * half;
-        let finest = head * half + 2 * filter::Ring::bytes(width);
+        let finest = head * half + 2 * finest::Ring::bytes(width);
         let far = CHANNELS[3] * eighth + CHANNELS[2] * quarter + 4 * WORDS;
         let lights = filter::overlaid(half, quarter, eighth) + light * quarter;
         Needs {

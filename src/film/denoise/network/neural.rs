@@ -1,4 +1,4 @@
-use super::filter::kept;
+use super::finest::kept;
 use super::last;
 use super::{Needs, Network, NetworkError, Scratch, Shape, Weights, halves, irradiance};
 use crate::color::Rgb9e5;
