@@ -2,13 +2,12 @@
 //!
 //! `Walk` goes through a tree along a ray, `Facets` looks at triangles; the core has the portable twin of both, and
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. `convolve`,
-//! `convolve_seen`, `merge` and `squeeze`, or `activations`, and `heads`, `gather` and `Spread` are the network's, held
-//! against its portable layers and filter by the job `network`; `normalize` is `geom::Offset`'s and `rectangle` meets one
-//! (`shape::planar`), held by the jobs `normalize` and `rectangles`.
+//! `convolve_seen`, `merge` and `squeeze`, or `activations`, and `heads` are the network's layers, `Rows`, `kins`, `Nine` and
+//! `mean`, or `gather` and `Spread`, its filter; the job `network` holds them against its portable ones. `normalize` is
+//! `geom::Offset`'s and `rectangle` meets one (`shape::planar`), held by the jobs `normalize` and `rectangles`.
 //!
-//! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, the first `convolve`, `convolve_seen`, `merge`, `heads`,
-//! `squeeze`, `normalize` and `rectangle` besides, those of ARMv7-M `activations` and `heads`, and those of ARMv7E-M `gather` and
-//! `Spread`; elsewhere nothing is there.
+//! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, those of ARMv7-M `activations` and `heads`, those of ARMv7E-M
+//! `gather` and `Spread`, and those of ARMv6-M all that is not named so; elsewhere nothing is there.
 
 #![no_std]
 
@@ -29,6 +28,9 @@ mod rv32;
 #[cfg(armv6m)]
 pub use armv6m::{
     column::{convolve, convolve_seen},
+    gather::Rows,
+    mean::{Tables, mean},
+    nine::{Kin, Nine, kins},
     normalize::{Normal, normalize},
     pixel::{heads, merge, squeeze},
     rectangle::rectangle,

@@ -5,6 +5,8 @@ use core::ops::Range;
 pub(super) type Head = [u8; 8];
 pub(super) type Light = [u16; 3];
 
+type Slices<'a, T, const ROWS: usize> = [&'a [T]; ROWS];
+
 /// The most rows that there may be, and pixels of each that are asked for.
 const MOST: usize = 5;
 
@@ -27,7 +29,7 @@ pub struct Rows<'a, const ROWS: usize> {
     own: *const Head,
     width: usize,
     /// For heads that are not whole words.
-    plain: Option<([&'a [Head]; ROWS], [&'a [Light]; ROWS])>,
+    plain: Option<(Slices<'a, Head, ROWS>, Slices<'a, Light, ROWS>)>,
 }
 
 impl<'a, const ROWS: usize> Rows<'a, ROWS> {
