@@ -34,36 +34,28 @@ impl Rgb9e5 {
         Self::at_an_end([r, g, b], exponent as i32 - 15)
     }
 
-    /// Light times shares: `encode(light.mul_albedo(by))`, the same bits.
+    /// Three channels under 2^16, times 2^`exponent`, times shares: `encode(Radiance::from_bits(..).mul_albedo(by))`, the
+    /// same bits.
     #[inline]
-    pub fn encode_product(light: Radiance, by: Albedo) -> Rgb9e5 {
-        let (m, exponent) = light.to_parts();
-        let bits = [0, 1, 2].map(|i| u32::from(m[i]) * u32::from(by.0[i].to_bits()));
-        Rgb9e5::encode_bits(bits, i32::from(exponent) - 30)
+    pub fn encode_product(channels: [u32; 3], exponent: i32, by: Albedo) -> Rgb9e5 {
+        let bits = [0, 1, 2].map(|i| channels[i] * u32::from(by.0[i].to_bits()));
+        Rgb9e5::encode_bits(bits, exponent - 15)
     }
 
     /// `encode(Radiance::from_bits(bits, exponent))`, the same bits.
     #[inline(always)]
     fn encode_bits(bits: [u32; 3], exponent: i32) -> Rgb9e5 {
+        // Halves up to 16 bits and then to nine: both at once where neither carries. In units of 2, to stay under 2^32.
+        const HALVES: u32 = (1 << 14) + (1 << 21);
         let all = bits[0] | bits[1] | bits[2];
         if all == 0 {
             return Rgb9e5::BLACK;
         }
-        let round = |m: [u32; 3], shift: u32| m.map(|m| ((m >> (shift - 1)) + 1) >> 1);
-        // To 16 bits, then to nine; one bit more where rounding carries.
         let zeros = leading_zeros(all);
-        let top = bits.map(|bits| bits << zeros);
-        let mut e = exponent + 31 - zeros as i32 - 15 + 7 + 24;
-        let mut wide = round(top, 16);
-        if (wide[0] | wide[1] | wide[2]) > 0xffff {
-            (wide, e) = (round(top, 17), e + 1);
-        }
-        let mut m = round(wide, 7);
-        if (m[0] | m[1] | m[2]) > 511 {
-            (m, e) = (round(wide, 8), e + 1);
-        }
-        if (1..31).contains(&e) {
-            return Rgb9e5(m[0] | m[1] << 9 | m[2] << 18 | (e as u32) << 27);
+        let [r, g, b] = bits.map(|bits| (((bits << zeros) >> 1) + HALVES) >> 22);
+        let e = exponent + 47 - zeros as i32;
+        if r | g | b < 512 && (1..31).contains(&e) {
+            return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
         }
         Rgb9e5::encode_at_the_end(bits, exponent)
     }
@@ -266,18 +258,17 @@ mod tests {
                 Rgb9e5::at_an_end(bits, e),
                 "{bits:?} {e}"
             );
-            let light = Radiance::from_bits(bits, e);
+            let brief = bits.map(|bits| bits & 0xffff);
             assert_eq!(
-                Rgb9e5::encode_product(light, by),
-                Rgb9e5::encode(light.mul_albedo(by)),
-                "{light:?} {by:?}"
+                Rgb9e5::encode_product(brief, e, by),
+                Rgb9e5::encode(Radiance::from_bits(brief, e).mul_albedo(by)),
+                "{brief:?} {e} {by:?}"
             );
         }
         for exponent in [40_000, -40_000] {
-            let light = Radiance::from_bits([u32::MAX; 3], exponent);
             assert_eq!(
-                Rgb9e5::encode_product(light, Albedo::WHITE),
-                Rgb9e5::encode(light)
+                Rgb9e5::encode_product([0xffff; 3], exponent, Albedo::WHITE),
+                Rgb9e5::encode(Radiance::from_bits([0xffff; 3], exponent))
             );
         }
     }

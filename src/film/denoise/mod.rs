@@ -37,6 +37,7 @@ use core::ops::Range;
 
 use self::outline::{MIDDLE, go_down, worth};
 use self::upsample::Coarse;
+use self::weight::Turn;
 use super::Feature;
 use crate::color::{Radiance, Rgb9e5};
 use zerocopy::{FromBytes, IntoBytes};
@@ -342,14 +343,15 @@ impl Clean<'_> {
             frame: self.frame,
             light: self.light,
         };
+        let mut turn = Turn::default();
         let make = |y: u16, row: &mut [Seen]| {
             let lines = coarse.lines(y);
             let mut two = |k: u16, first: u16, seen: &mut [Seen]| {
                 let four = lines.four(k);
                 for (x, seen) in (first..).zip(seen) {
                     let guide = guide(x, y);
-                    let light = four.light(coarse, [x, y], &guide);
-                    let light = Rgb9e5::encode_product(light, guide.albedo());
+                    let light = four.light(coarse, [x, y], &guide, &mut turn);
+                    let light = light.shaded(guide.albedo());
                     *seen = Seen::new(light, &guide, MIDDLE);
                 }
             };

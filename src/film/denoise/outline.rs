@@ -221,10 +221,10 @@ impl Row<'_> {
         let near = self.near(x);
         let own = near[1][1];
         let is_other = |seen: &&Seen| (seen.of ^ own.of) >> 16 != 0;
-        let is_middle = own.samples() == MIDDLE;
-        let shares = if is_middle {
-            counted(&near, &MIDDLES)
-        } else if own.samples() == 1 && near.iter().flatten().any(is_other) {
+        if own.samples() == MIDDLE {
+            return of_middles(&near);
+        }
+        let shares = if own.samples() == 1 && near.iter().flatten().any(is_other) {
             counted(&near, &UNITS)
         } else {
             let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
@@ -241,13 +241,30 @@ impl Row<'_> {
         let mut mean = Mean::new();
         lights.iter().flatten().for_each(|light| mean.see(*light));
         for (light, share) in lights.as_flattened().iter().zip(shares.as_flattened()) {
-            // Shares that were found for what is shown have no need of it.
-            let tone = if is_middle { 1 } else { tone(*light) };
             // raw: 256 · 64 in all.
-            mean.add(*light, share * tone);
+            mean.add(*light, share * tone(*light));
         }
         mean.light()
     }
+}
+
+/// The middle one of these mixed with the others by [`MIDDLES`]: shares that were found for what is shown have no need of a
+/// [`tone`].
+fn of_middles(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
+    let shares = counted(near, &MIDDLES);
+    let own = near[1][1].light;
+    if shares[1][1] == 256 {
+        return own;
+    }
+    let mut mean = Mean::new();
+    let lights = near.as_flattened().iter().map(|seen| seen.light);
+    lights.clone().for_each(|light| mean.see(light));
+    for (light, share) in lights.zip(shares.as_flattened()) {
+        if *share > 0 {
+            mean.add(light, *share);
+        }
+    }
+    mean.light_of_256()
 }
 
 /// What each of these counts where each is of one sample, by [`UNITS`] or [`MIDDLES`]. Others of the middle one's thing count

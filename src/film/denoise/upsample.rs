@@ -1,5 +1,5 @@
 use super::Size;
-use super::weight::{FALL, FAR, Mean, shines, turn_of};
+use super::weight::{Channels, FALL, FAR, Mean, Turn, shines};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
 use crate::geom::Octahedral;
@@ -25,7 +25,11 @@ pub fn upsample(
     guide: &Feature,
 ) -> Radiance {
     let coarse = Coarse { size, frame, light };
-    coarse.lines(y).four(x.div_ceil(2)).light(coarse, [x, y], guide)
+    coarse
+        .lines(y)
+        .four(x.div_ceil(2))
+        .light(coarse, [x, y], guide, &mut Turn::default())
+        .radiance()
 }
 
 /// What is made twice as wide and high.
@@ -87,25 +91,32 @@ impl<'a> Lines<'a> {
         let is_painted_alike = u32::from_le(seen) << 8 == 0;
         let is_one = (a[1] ^ b[1]) | (a[1] ^ c[1]) | (a[1] ^ d[1]) == 0
             && !(shines(a[0]) || shines(b[0]) || shines(c[0]) || shines(d[0]));
-        let parts = lights.map(|light| mean.parts(light));
         let is_even = is_one && seen == 0;
+        let mut down = [[0; 3]; 2];
+        if is_even {
+            for (down, [near, far]) in down
+                .iter_mut()
+                .zip([[lights[0], lights[1]], [lights[2], lights[3]]])
+            {
+                *down = three_to_one(mean.parts(near), mean.parts(far));
+            }
+        }
         Four {
-            columns: [
-                Column {
-                    pixels: [pixels[0], pixels[1]],
-                    parts: [parts[0], parts[1]],
-                },
-                Column {
-                    pixels: [pixels[2], pixels[3]],
-                    parts: [parts[2], parts[3]],
-                },
-            ],
+            pixels,
+            lights,
             mean,
+            down,
             is_one,
             is_painted_alike,
             is_even,
         }
     }
+}
+
+/// Sums by 3 : 1.
+#[inline(always)]
+fn three_to_one(near: [u32; 3], far: [u32; 3]) -> [u32; 3] {
+    [0, 1, 2].map(|i| 3 * near[i] + far[i])
 }
 
 /// What stands where there is no pixel.
@@ -117,18 +128,14 @@ static NOTHING: Feature = Feature {
     id: 0,
 };
 
-/// A pixel of the row that the fine one lies in, and one of the other row.
-struct Column<'a> {
-    pixels: [&'a Feature; 2],
-    /// Of their lights.
-    parts: [[u32; 3]; 2],
-}
-
-/// Four pixels, the left ones and the right ones.
+/// Four pixels, the left ones and the right ones, of each the one of the row that the fine pixels lie in first.
 pub(super) struct Four<'a> {
-    columns: [Column<'a>; 2],
+    pixels: [&'a Feature; 4],
+    lights: [Rgb9e5; 4],
     /// Of nothing yet; has seen them.
     mean: Mean,
+    /// Sums of the left and of the right lights by 3 : 1, if all pixels are alike.
+    down: [[u32; 3]; 2],
     /// Whether all have one number and look the same way, and none shines.
     is_one: bool,
     /// Whether all have one albedo, which then tells none apart.
@@ -140,20 +147,22 @@ pub(super) struct Four<'a> {
 impl Four<'_> {
     /// The light of fine pixel (x, y), one of the two they are about.
     #[inline(always)]
-    pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Radiance {
+    pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turn: &mut Turn) -> Channels {
         let right = usize::from(x.is_multiple_of(2));
         let [seen, looks] = words(guide);
-        let (near, far) = (&self.columns[right], &self.columns[1 - right]);
-        let first = near.pixels[0];
-        if self.is_even && looks == words(first)[1] && guide.depth == first.depth && !shines(seen) {
-            // 9 : 3 : 3 : 1, down and then across.
-            let three = |near: [u32; 3], far: [u32; 3]| [0, 1, 2].map(|i| 3 * near[i] + far[i]);
-            let down = |column: &Column| three(column.parts[0], column.parts[1]);
-            let (bits, exponent) = self.mean.shifted(three(down(near), down(far)), 4);
-            return Radiance::from_bits(bits, exponent);
+        let first = self.pixels[0];
+        if self.is_even
+            && looks == words(first)[1]
+            && guide.depth == first.depth
+            && !shines(seen)
+            && let Some(light) = (self.mean).sixteenths(three_to_one(self.down[right], self.down[1 - right]))
+        {
+            return light;
         }
-        let pixels = [near.pixels[0], far.pixels[0], near.pixels[1], far.pixels[1]];
-        let parts = [near.parts[0], far.parts[0], near.parts[1], far.parts[1]];
+        let near = 2 * right;
+        let order = [near, 2 - near, near + 1, 3 - near];
+        let pixels = order.map(|i| self.pixels[i]);
+        let lights = order.map(|i| self.lights[i]);
         let [a, b, c, d] = pixels;
         let mut apart = [apart(a, guide), apart(b, guide), apart(c, guide), apart(d, guide)];
         if !self.is_painted_alike {
@@ -170,13 +179,13 @@ impl Four<'_> {
             apart.map(|unlike| FALL[unlike as usize & 31])
         } else {
             let unlike = [
-                unlike(a, guide),
-                unlike(b, guide),
-                unlike(c, guide),
-                unlike(d, guide),
+                unlike(a, guide, turn),
+                unlike(b, guide, turn),
+                unlike(c, guide, turn),
+                unlike(d, guide, turn),
             ];
             if unlike.iter().all(|&unlike| unlike >= UNLIKE[0])
-                && let Some(light) = about(coarse, [x, y], guide)
+                && let Some(light) = about(coarse, [x, y], guide, turn)
             {
                 return light;
             }
@@ -184,32 +193,35 @@ impl Four<'_> {
             unlike.map(|unlike| FALL[unlike.min(LEAST) as usize])
         };
         let mut mean = self.mean.anew();
-        for ((parts, share), weight) in parts.into_iter().zip([9, 3, 3, 1]).zip(weights) {
-            mean.add_parts(parts, share * u32::from(weight));
+        for ((light, share), weight) in lights.into_iter().zip([9, 3, 3, 1]).zip(weights) {
+            mean.add(light, share * u32::from(weight));
         }
-        answer(&mean)
+        mean.channels()
     }
 }
 
 /// Of the sixteen about pixel (x, y), those that are of the guide's thing; the same for each of them.
 #[cold]
-fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature) -> Option<Radiance> {
+fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turn: &mut Turn) -> Option<Channels> {
     let Coarse { size, frame, light } = coarse;
     let [left, top] = [x, y].map(|c| (c.div_ceil(2) as i32) - 2);
-    let alike = || {
-        (0..16).filter_map(|i| {
-            let (x, y) = (left + (i & 3), top + (i >> 2));
-            let is_inside = (0..size.width as i32).contains(&x) && (0..size.height as i32).contains(&y);
-            let place = is_inside.then(|| y as usize * size.width as usize + x as usize)?;
-            let (pixel, light) = (frame.get(place)?, light.get(place)?);
-            let unlike = unlike(pixel, guide);
-            (unlike < UNLIKE[0]).then(|| (*light, FALL[unlike as usize] as u32))
-        })
-    };
+    let mut alike = [(Rgb9e5::BLACK, 0); 16];
+    for (i, alike) in (0..).zip(&mut alike) {
+        let (x, y) = (left + (i & 3), top + (i >> 2));
+        let is_inside = (0..size.width as i32).contains(&x) && (0..size.height as i32).contains(&y);
+        let place = y as usize * size.width as usize + x as usize;
+        if is_inside && let (Some(pixel), Some(light)) = (frame.get(place), light.get(place)) {
+            let unlike = unlike(pixel, guide, turn);
+            if unlike < UNLIKE[0] {
+                *alike = (*light, FALL[unlike as usize] as u32);
+            }
+        }
+    }
+    let alike = alike.into_iter().filter(|(_, weight)| *weight > 0);
     let mut mean = Mean::new();
-    alike().for_each(|(light, _)| mean.see(light));
-    alike().for_each(|(light, weight)| mean.add(light, weight));
-    (mean.weight() > 0).then(|| answer(&mean))
+    alike.clone().for_each(|(light, _)| mean.see(light));
+    alike.for_each(|(light, weight)| mean.add(light, weight));
+    (mean.weight() > 0).then(|| mean.channels())
 }
 
 /// Words of albedo and distance, and of normal and number, as they lie in memory.
@@ -221,7 +233,7 @@ fn words(pixel: &Feature) -> [u32; 2] {
 
 /// Eighths of a half-life; from [`LEAST`] on, as many at least.
 #[inline]
-fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
+fn unlike(pixel: &Feature, guide: &Feature, turn: &mut Turn) -> u32 {
     let ([tap_seen, tap_looks], [seen, looks]) = (words(pixel), words(guide));
     if shines(tap_seen) != shines(seen) {
         return FAR;
@@ -233,7 +245,7 @@ fn unlike(pixel: &Feature, guide: &Feature) -> u32 {
     if unlike >= LEAST {
         unlike
     } else {
-        unlike + turn_of(pixel, guide) * UNLIKE[1]
+        unlike + turn.of(pixel, guide) * UNLIKE[1]
     }
 }
 
@@ -248,10 +260,4 @@ fn apart(pixel: &Feature, guide: &Feature) -> u32 {
 fn repainted(pixel: &Feature, guide: &Feature) -> u32 {
     let differs = u32::from_le(words(pixel)[0] ^ words(guide)[0]) << 8;
     if differs == 0 { 0 } else { UNLIKE[3] }
-}
-
-#[inline(always)]
-fn answer(mean: &Mean) -> Radiance {
-    let (bits, exponent) = mean.divided();
-    Radiance::from_bits(bits, exponent)
 }

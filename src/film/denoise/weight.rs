@@ -1,7 +1,8 @@
 //! How much one pixel may say of another: half-lives add up, one table makes a weight of them.
 
 use super::super::Feature;
-use crate::color::Rgb9e5;
+use crate::color::{Albedo, Radiance, Rgb9e5};
+use crate::geom::Octahedral;
 use crate::num::{leading_zeros, recip};
 
 /// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
@@ -38,6 +39,30 @@ pub(super) fn turn_of(a: &Feature, b: &Feature) -> u32 {
         0
     } else {
         turn_between(a, b)
+    }
+}
+
+/// [`turn_of`] two normals, remembered: along an outline the same two meet again and again.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Turn {
+    /// The pixel's and the other's.
+    normals: [Octahedral; 2],
+    turn: u32,
+}
+
+impl Turn {
+    #[inline]
+    pub(super) fn of(&mut self, a: &Feature, b: &Feature) -> u32 {
+        if a.normal == b.normal {
+            return 0;
+        }
+        if self.normals != [a.normal, b.normal] {
+            *self = Turn {
+                normals: [a.normal, b.normal],
+                turn: turn_between(a, b),
+            };
+        }
+        self.turn
     }
 }
 
@@ -147,16 +172,32 @@ impl Mean {
         )
     }
 
-    /// The same of `sums` whose weights are 2^`weight` in all.
+    /// Sum over weight as a [`Radiance`] has it.
+    #[inline]
+    pub(super) fn channels(&self) -> Channels {
+        let (bits, exponent) = self.divided();
+        // The largest has 31 bits or 32, if there is any.
+        let shift = 15 + ((bits[0] | bits[1] | bits[2]) >> 31);
+        let rounded = bits.map(|bits| ((bits >> (shift - 1)) + 1) >> 1);
+        if (rounded[0] | rounded[1] | rounded[2]) >> 16 != 0 {
+            return Channels::carried(bits, exponent);
+        }
+        Channels {
+            bits: rounded,
+            exponent: exponent + shift as i32,
+        }
+    }
+
+    /// [`Self::channels`] of such sums whose weights are 16 in all, where no bit of them is below the 16 that a
+    /// [`Radiance`] has.
     #[inline(always)]
-    pub(super) fn shifted(&self, sums: [u32; 3], weight: u32) -> ([u32; 3], i32) {
-        let zeros = leading_zeros(sums[0] | sums[1] | sums[2] | 1);
-        // The high word of a product with the reciprocal's mantissa, which is 2^32 − 2.
-        let less = |x: u32| x - (x >> 31) - u32::from(x << 1 != 0);
-        (
-            sums.map(|sum| less(sum << zeros)),
-            self.exponent as i32 - 24 - 9 - weight as i32 - zeros as i32,
-        )
+    pub(super) fn sixteenths(&self, sums: [u32; 3]) -> Option<Channels> {
+        // raw: under 2^22
+        let is_exact = (sums[0] | sums[1] | sums[2]) & 63 == 0;
+        is_exact.then(|| Channels {
+            bits: sums.map(|sum| sum >> 6),
+            exponent: self.exponent as i32 - 24 - 9 + 6 - 4,
+        })
     }
 
     #[inline]
@@ -195,35 +236,75 @@ impl Mean {
     }
 }
 
+/// Light in three channels of 16 bits at most, times 2^`exponent`.
+#[derive(Clone, Copy)]
+pub(super) struct Channels {
+    bits: [u32; 3],
+    exponent: i32,
+}
+
+impl Channels {
+    /// Where rounding carries past 16 bits.
+    #[cold]
+    fn carried(bits: [u32; 3], exponent: i32) -> Channels {
+        Channels::of(Radiance::from_bits(bits, exponent))
+    }
+
+    pub(super) fn of(light: Radiance) -> Channels {
+        let (mantissas, exponent) = light.to_parts();
+        Channels {
+            bits: mantissas.map(u32::from),
+            exponent: i32::from(exponent) - 15,
+        }
+    }
+
+    pub(super) fn radiance(self) -> Radiance {
+        Radiance::from_bits(self.bits, self.exponent)
+    }
+
+    /// Times shares.
+    #[inline(always)]
+    pub(super) fn shaded(self, by: Albedo) -> Rgb9e5 {
+        Rgb9e5::encode_product(self.bits, self.exponent, by)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Radiance;
 
     #[test]
-    fn sixteenths_are_what_the_reciprocal_says() {
+    fn known_weights_are_divided_by_alike() {
         let mut state = 1u32;
         let mut random = || {
             state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
             state ^ (state >> 15)
         };
-        for _ in 0..100_000 {
-            let light = Rgb9e5(random() & random());
+        let mut exact = 0;
+        for i in 0..200_000 {
+            // Of exponents that are up to eight apart, some of them black.
+            let lights = [0; 2].map(|_| Rgb9e5((random() & random() << (i % 7)) & !(24 << 27)));
             let mut mean = Mean::new();
-            mean.see(light);
-            let parts = [[random(); 3], mean.parts(light)].map(|parts| parts.map(|part| part & 0x3_ffff));
-            parts
-                .iter()
-                .zip([7, 9])
-                .for_each(|(parts, share)| mean.add_parts(*parts, 64 * share));
+            lights.iter().for_each(|light| mean.see(*light));
+            let parts = lights.map(|light| mean.parts(light));
             let sums = [0, 1, 2].map(|i| 7 * parts[0][i] + 9 * parts[1][i]);
-            let [whole, sixteenth] = [mean.divided(), mean.shifted(sums, 4)]
-                .map(|(bits, exponent)| Radiance::from_bits(bits, exponent));
-            assert_eq!(whole, sixteenth, "{sums:?}");
+            for scale in [64, 16, 23] {
+                let mut mean = mean.anew();
+                mean.add(lights[0], 7 * scale);
+                mean.add(lights[1], 9 * scale);
+                let (bits, exponent) = mean.divided();
+                let whole = Radiance::from_bits(bits, exponent);
+                assert_eq!(mean.channels().radiance(), whole, "{lights:?}");
+                if let Some(sixteenths) = mean.sixteenths(sums) {
+                    exact += 1;
+                    assert_eq!(sixteenths.radiance(), whole, "{lights:?}");
+                }
+                if scale == 16 {
+                    assert_eq!(mean.light_of_256(), mean.light(), "{lights:?}");
+                }
+            }
         }
-        let mut mean = Mean::new();
-        mean.add_parts([1 << 17; 3], 1024);
-        assert_eq!(mean.divided(), mean.shifted([1 << 21; 3], 4));
+        assert!(exact > 100_000, "{exact}");
     }
 
     #[test]
