@@ -34,6 +34,7 @@ pub use armv6m::{
     normalize::{Normal, normalize},
     pixel::{heads, merge, squeeze},
     rectangle::rectangle,
+    upsample::{MIDDLE, Rows},
     walk::Walk,
 };
 #[cfg(armv7em)]

@@ -115,6 +115,7 @@ const OWN: [Job; 6] = [
     Job::machine("meshes", meshes::run),
     Job::machine("normalize", normalize::run),
     Job::machine("rectangles", rectangles::run),
+    Job::machine("upsampled", upsampled::run),
 ];
 
 /// Both seeds of each row.

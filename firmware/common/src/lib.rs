@@ -29,3 +29,4 @@ pub mod region;
 pub mod stage;
 pub mod text;
 pub mod tile;
+mod upsampled;

@@ -35,9 +35,9 @@ pub use upsample::upsample;
 
 use core::ops::Range;
 
-use self::outline::{MIDDLE, go_down, worth};
+use self::outline::{go_down, worth};
 use self::upsample::Coarse;
-use self::weight::Turn;
+use self::weight::Turns;
 use super::Feature;
 use crate::color::{Radiance, Rgb9e5};
 use zerocopy::{FromBytes, IntoBytes};
@@ -343,22 +343,21 @@ impl Clean<'_> {
             frame: self.frame,
             light: self.light,
         };
-        let mut turn = Turn::default();
+        let mut turns = Turns::default();
         let make = |y: u16, row: &mut [Seen]| {
             let lines = coarse.lines(y);
-            let mut two = |k: u16, first: u16, seen: &mut [Seen]| {
-                let four = lines.four(k);
-                for (x, seen) in (first..).zip(seen) {
-                    let guide = guide(x, y);
-                    let light = four.light(coarse, [x, y], &guide, &mut turn);
-                    let light = light.shaded(guide.albedo());
-                    *seen = Seen::new(light, &guide, MIDDLE);
-                }
-            };
             let (first, others) = row.split_at_mut(row.len().min(1));
-            two(0, 0, first);
-            for (k, seen) in (1..).zip(others.chunks_mut(2)) {
-                two(k, 2 * k - 1, seen);
+            let (pairs, last) = others.as_chunks_mut::<2>();
+            let pixels = pairs.len() as u16;
+            let ends = [(0, 0, first), (pixels + 1, 2 * pixels + 1, last)];
+            for (k, pair) in (1..).zip(pairs) {
+                let guides = [guide(2 * k - 1, y), guide(2 * k, y)];
+                lines.pair(coarse, [k, y], &guides, &mut turns, pair);
+            }
+            for (k, x, shown) in ends {
+                for shown in shown {
+                    *shown = lines.four(k).shown(coarse, [x, y], &guide(x, y), &mut turns);
+                }
             }
         };
         let size = Size {

@@ -1,9 +1,17 @@
 use super::Size;
-use super::weight::{Channels, FALL, FAR, Mean, Turn, shines};
+use super::outline::{MIDDLE, Seen};
+use super::weight::{Channels, FALL, FAR, Mean, Turns, shines};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
 use crate::geom::Octahedral;
+#[cfg(upsamples)]
+use crate::num::RECIPS;
+#[cfg(upsamples)]
+use zerocopy::transmute_mut;
 use zerocopy::transmute_ref;
+
+#[cfg(upsamples)]
+const _: () = assert!(MIDDLE == microlux_asm::MIDDLE);
 
 /// Half-lives, in eighths, that tell neighbours apart: for another number, for a turn by a cosine of 1 − 1/127, for a code
 /// of distance, for another albedo. Several samples that met two things have the mean albedo of both, and light of neither.
@@ -28,7 +36,7 @@ pub fn upsample(
     coarse
         .lines(y)
         .four(x.div_ceil(2))
-        .light(coarse, [x, y], guide, &mut Turn::default())
+        .light(coarse, [x, y], guide, &mut Turns::default())
         .radiance()
 }
 
@@ -56,20 +64,82 @@ impl<'a> Coarse<'a> {
             let (frame, light) = (self.frame.get(row.clone()), self.light.get(row));
             (frame.unwrap_or(&[]), light.unwrap_or(&[]))
         };
-        Lines([row(y / 2), row(far)])
+        let rows = [row(y / 2), row(far)];
+        Lines {
+            rows,
+            #[cfg(upsamples)]
+            routine: microlux_asm::Rows::new(
+                rows.map(|(pixels, _)| transmute_ref!(pixels)),
+                rows.map(|(_, light)| transmute_ref!(light)),
+                &FALL,
+                &RECIPS,
+            ),
+        }
     }
 }
 
 /// Two rows.
-pub(super) struct Lines<'a>([(&'a [Feature], &'a [Rgb9e5]); 2]);
+pub(super) struct Lines<'a> {
+    rows: [(&'a [Feature], &'a [Rgb9e5]); 2],
+    #[cfg(upsamples)]
+    routine: microlux_asm::Rows<'a>,
+}
 
 impl<'a> Lines<'a> {
+    /// Shows fine pixels (2 `k` − 1, y) and (2 `k`, y), whose own first hits are `guides`.
+    #[inline(always)]
+    pub fn pair(
+        &self,
+        coarse: Coarse,
+        [k, y]: [u16; 2],
+        guides: &[Feature; 2],
+        turns: &mut Turns,
+        shown: &mut [Seen; 2],
+    ) {
+        #[cfg(upsamples)]
+        {
+            let left = usize::from(k) - 1;
+            let done =
+                (self.routine).between(left, transmute_ref!(guides), transmute_mut!(shown), turns.known());
+            if done != 3 {
+                self.rest(coarse, [k, y], guides, turns, shown, done);
+            }
+        }
+        #[cfg(not(upsamples))]
+        {
+            let four = self.four(k);
+            for ((x, guide), shown) in (2 * k - 1..).zip(guides).zip(shown) {
+                *shown = four.shown(coarse, [x, y], guide, turns);
+            }
+        }
+    }
+
+    /// What of [`Self::pair`] is not done: the first but for 1, the second but for 2.
+    #[cfg(upsamples)]
+    #[inline(never)]
+    fn rest(
+        &self,
+        coarse: Coarse,
+        [k, y]: [u16; 2],
+        guides: &[Feature; 2],
+        turns: &mut Turns,
+        shown: &mut [Seen; 2],
+        done: u32,
+    ) {
+        let four = self.four(k);
+        for (i, (guide, shown)) in (0..).zip(guides.iter().zip(shown)) {
+            if done >> i & 1 == 0 {
+                *shown = four.shown(coarse, [2 * k - 1 + i, y], guide, turns);
+            }
+        }
+    }
+
     /// The four pixels about fine columns 2 `k` − 1 and 2 `k`; black where there are none.
     #[inline(always)]
     pub fn four(&self, k: u16) -> Four<'a> {
-        let last = self.0[0].0.len().saturating_sub(1);
+        let last = self.rows[0].0.len().saturating_sub(1);
         let [left, right] = [k.saturating_sub(1), k].map(|x| (x as usize).min(last));
-        let [(near, near_light), (far, far_light)] = self.0;
+        let [(near, near_light), (far, far_light)] = self.rows;
         let pixel = |row: &'a [Feature], x: usize| row.get(x).unwrap_or(&NOTHING);
         let light = |row: &[Rgb9e5], x: usize| row.get(x).copied().unwrap_or_default();
         let pixels = [
@@ -145,9 +215,16 @@ pub(super) struct Four<'a> {
 }
 
 impl Four<'_> {
+    /// What fine pixel (x, y) shows, one of the two they are about.
+    #[inline(always)]
+    pub fn shown(&self, coarse: Coarse, place: [u16; 2], guide: &Feature, turns: &mut Turns) -> Seen {
+        let light = self.light(coarse, place, guide, turns).shaded(guide.albedo());
+        Seen::new(light, guide, MIDDLE)
+    }
+
     /// The light of fine pixel (x, y), one of the two they are about.
     #[inline(always)]
-    pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turn: &mut Turn) -> Channels {
+    pub fn light(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turns: &mut Turns) -> Channels {
         let right = usize::from(x.is_multiple_of(2));
         let [seen, looks] = words(guide);
         let first = self.pixels[0];
@@ -179,13 +256,13 @@ impl Four<'_> {
             apart.map(|unlike| FALL[unlike as usize & 31])
         } else {
             let unlike = [
-                unlike(a, guide, turn),
-                unlike(b, guide, turn),
-                unlike(c, guide, turn),
-                unlike(d, guide, turn),
+                unlike(a, guide, turns),
+                unlike(b, guide, turns),
+                unlike(c, guide, turns),
+                unlike(d, guide, turns),
             ];
             if unlike.iter().all(|&unlike| unlike >= UNLIKE[0])
-                && let Some(light) = about(coarse, [x, y], guide, turn)
+                && let Some(light) = about(coarse, [x, y], guide, turns)
             {
                 return light;
             }
@@ -202,26 +279,39 @@ impl Four<'_> {
 
 /// Of the sixteen about pixel (x, y), those that are of the guide's thing; the same for each of them.
 #[cold]
-fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turn: &mut Turn) -> Option<Channels> {
+fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turns: &mut Turns) -> Option<Channels> {
+    let first = [x, y].map(|c| c.div_ceil(2) as i32 - 2);
+    let mut mean = Mean::new();
+    alike(coarse, first, guide, turns, |light, _| mean.see(light));
+    alike(coarse, first, guide, turns, |light, weight| {
+        mean.add(light, weight)
+    });
+    (mean.weight() > 0).then(|| mean.channels())
+}
+
+/// Light and weight of those of 4 × 4 pixels that are of the guide's thing.
+fn alike(
+    coarse: Coarse,
+    [left, top]: [i32; 2],
+    guide: &Feature,
+    turns: &mut Turns,
+    mut each: impl FnMut(Rgb9e5, u32),
+) {
     let Coarse { size, frame, light } = coarse;
-    let [left, top] = [x, y].map(|c| (c.div_ceil(2) as i32) - 2);
-    let mut alike = [(Rgb9e5::BLACK, 0); 16];
-    for (i, alike) in (0..).zip(&mut alike) {
-        let (x, y) = (left + (i & 3), top + (i >> 2));
-        let is_inside = (0..size.width as i32).contains(&x) && (0..size.height as i32).contains(&y);
-        let place = y as usize * size.width as usize + x as usize;
-        if is_inside && let (Some(pixel), Some(light)) = (frame.get(place), light.get(place)) {
-            let unlike = unlike(pixel, guide, turn);
+    let rows = top.max(0)..(top + 4).min(size.height.into());
+    let columns = left.max(0)..(left + 4).min(size.width.into());
+    for place in rows.flat_map(|y| {
+        columns
+            .clone()
+            .map(move |x| (y * i32::from(size.width) + x) as usize)
+    }) {
+        if let (Some(pixel), Some(light)) = (frame.get(place), light.get(place)) {
+            let unlike = unlike(pixel, guide, turns);
             if unlike < UNLIKE[0] {
-                *alike = (*light, FALL[unlike as usize] as u32);
+                each(*light, FALL[unlike as usize].into());
             }
         }
     }
-    let alike = alike.into_iter().filter(|(_, weight)| *weight > 0);
-    let mut mean = Mean::new();
-    alike.clone().for_each(|(light, _)| mean.see(light));
-    alike.for_each(|(light, weight)| mean.add(light, weight));
-    (mean.weight() > 0).then(|| mean.channels())
 }
 
 /// Words of albedo and distance, and of normal and number, as they lie in memory.
@@ -233,7 +323,7 @@ fn words(pixel: &Feature) -> [u32; 2] {
 
 /// Eighths of a half-life; from [`LEAST`] on, as many at least.
 #[inline]
-fn unlike(pixel: &Feature, guide: &Feature, turn: &mut Turn) -> u32 {
+fn unlike(pixel: &Feature, guide: &Feature, turns: &mut Turns) -> u32 {
     let ([tap_seen, tap_looks], [seen, looks]) = (words(pixel), words(guide));
     if shines(tap_seen) != shines(seen) {
         return FAR;
@@ -245,7 +335,7 @@ fn unlike(pixel: &Feature, guide: &Feature, turn: &mut Turn) -> u32 {
     if unlike >= LEAST {
         unlike
     } else {
-        unlike + turn.of(pixel, guide) * UNLIKE[1]
+        unlike + turns.of(pixel, guide) * UNLIKE[1]
     }
 }
 

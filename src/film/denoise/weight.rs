@@ -2,7 +2,6 @@
 
 use super::super::Feature;
 use crate::color::{Albedo, Radiance, Rgb9e5};
-use crate::geom::Octahedral;
 use crate::num::{leading_zeros, recip};
 
 /// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
@@ -42,27 +41,36 @@ pub(super) fn turn_of(a: &Feature, b: &Feature) -> u32 {
     }
 }
 
-/// [`turn_of`] two normals, remembered: along an outline the same two meet again and again.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Turn {
-    /// The pixel's and the other's.
-    normals: [Octahedral; 2],
-    turn: u32,
+/// [`turn_of`] two normals, remembered: along an outline the same ones meet again and again.
+#[derive(Default)]
+pub(super) struct Turns {
+    /// The bits of one below those of the other, and their turn, by what [`Self::place`] says of them.
+    known: [[u32; 2]; 4],
 }
 
-impl Turn {
+impl Turns {
     #[inline]
     pub(super) fn of(&mut self, a: &Feature, b: &Feature) -> u32 {
         if a.normal == b.normal {
             return 0;
         }
-        if self.normals != [a.normal, b.normal] {
-            *self = Turn {
-                normals: [a.normal, b.normal],
-                turn: turn_between(a, b),
-            };
+        let [low, high] = [a, b].map(|pixel| u16::from_le_bytes(pixel.normal.0.map(|c| c as u8)));
+        let normals = u32::from(low) | u32::from(high) << 16;
+        let known = &mut self.known[Turns::place(normals)];
+        if known[0] != normals {
+            *known = [normals, turn_between(a, b)];
         }
-        self.turn
+        known[1]
+    }
+
+    fn place(normals: u32) -> usize {
+        (normals.wrapping_mul(0x9e37_79b1) >> 30) as usize
+    }
+
+    /// All that is remembered.
+    #[cfg(upsamples)]
+    pub(super) fn known(&self) -> &[[u32; 2]; 4] {
+        &self.known
     }
 }
 
