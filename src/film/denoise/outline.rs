@@ -225,7 +225,7 @@ impl Row<'_> {
             return of_middles(&near);
         }
         let shares = if own.samples() == 1 && near.iter().flatten().any(is_other) {
-            counted(&near, &UNITS)
+            counted(&near)
         } else {
             let shares = SHARES.get(31 - leading_zeros(own.samples().max(1)) as usize);
             let Some(&[side, corner]) = shares else {
@@ -251,30 +251,44 @@ impl Row<'_> {
 /// The middle one of these mixed with the others by [`MIDDLES`]: shares that were found for what is shown have no need of a
 /// [`tone`].
 fn of_middles(near: &[[&Seen; 3]; 3]) -> Rgb9e5 {
-    let shares = counted(near, &MIDDLES);
-    let own = near[1][1].light;
-    if shares[1][1] == 256 {
-        return own;
-    }
+    let [[a, b, c], [d, own, e], [f, g, h]] = *near;
     let mut mean = Mean::new();
-    let lights = near.as_flattened().iter().map(|seen| seen.light);
-    lights.clone().for_each(|light| mean.see(light));
-    for (light, share) in lights.zip(shares.as_flattened()) {
-        if *share > 0 {
-            mean.add(light, *share);
+    near.as_flattened().iter().for_each(|seen| mean.see(seen.light));
+    // Sides that are others', twice, and corners; how many there are of those and of these.
+    let mut others = [0; 3];
+    let mut counts = [0; 2];
+    for (seen, is_side) in [(b, 1), (d, 1), (e, 1), (g, 1), (a, 0), (c, 0), (f, 0), (h, 0)] {
+        if (seen.of ^ own.of) >> 16 != 0 {
+            let parts = mean.parts(seen.light);
+            others = [0, 1, 2].map(|i| others[i] + (parts[i] << is_side));
+            counts[1 - is_side] += 1;
         }
     }
+    let [sides, corners] = counts;
+    let unit = unit(&MIDDLES, sides, corners);
+    if unit == 0 {
+        return own.light;
+    }
+    mean.add(own.light, 256 - unit * (2 * sides + corners));
+    mean.add_parts(others, unit);
     mean.light_of_256()
 }
 
-/// What each of these counts where each is of one sample, by [`UNITS`] or [`MIDDLES`]. Others of the middle one's thing count
-/// for nothing.
-fn counted(near: &[[&Seen; 3]; 3], units: &[[u8; 5]; 5]) -> [[u32; 3]; 3] {
+/// What a corner counts where so many sides and corners are another thing's.
+fn unit(units: &[[u8; 5]; 5], sides: u32, corners: u32) -> u32 {
+    let row = units.get(sides as usize);
+    row.and_then(|row| row.get(corners as usize))
+        .copied()
+        .map_or(0, u32::from)
+}
+
+/// What each of these counts where each is of one sample, by [`UNITS`]. Others of the middle one's thing count for nothing.
+fn counted(near: &[[&Seen; 3]; 3]) -> [[u32; 3]; 3] {
     let own = near[1][1];
     let mut shares = near.map(|row| row.map(|seen| u32::from((seen.of ^ own.of) >> 16 != 0)));
     let [[a, b, c], [d, _, e], [f, g, h]] = shares;
     let (sides, corners) = (b + d + e + g, a + c + f + h);
-    let unit = u32::from(units[sides as usize % 5][corners as usize % 5]);
+    let unit = unit(&UNITS, sides, corners);
     for (share, tap) in shares.iter_mut().flatten().zip([1, 2, 1, 2, 1, 2, 1, 2, 1]) {
         *share *= unit * tap;
     }
