@@ -101,6 +101,14 @@ macro_rules! apart {
     };
 }
 
+/// On to 44 if the lowest bytes are more than eight apart.
+#[rustfmt::skip]
+macro_rules! few {
+    ($a:literal, $b:literal) => {
+        concat!("sxtb r2, ", $a, "; sxtb r3, ", $b, "; subs r2, r2, r3; adds r2, #8; cmp r2, #16; bhi 44f;")
+    };
+}
+
 /// The light at r4 onto the sums, by the weight for r1, of which `$share` makes a share by r0; `$add` is how sums begin or go
 /// on.
 #[rustfmt::skip]
@@ -169,7 +177,7 @@ macro_rules! shade {
 ///
 /// Of the stack: two columns of two pixels, each its second and third words and its light's channels; then rows, guides,
 /// what is shown, whether all see the same (0), the distance if all are alike (else 256), the largest exponent, what is answered, the
-/// albedo if all have one (else 0), the nearer column, what the guide sees. Upper registers: sums of
+/// albedo if all have one (else 0), the nearer column, what the guide sees, 0 if all lights are black. Upper registers: sums of
 /// red, green, blue; the farther column; the sum of weights.
 ///
 /// # Safety
@@ -186,7 +194,7 @@ unsafe extern "C" fn pair(
     naked_asm!(
         "push {{r4, r5, r6, r7, lr}}",
         save_upper!(),
-        "sub sp, #120",
+        "sub sp, #124",
         "movs r4, #0",
         "str r4, [sp, #104]",
         "add r5, sp, #80",
@@ -272,6 +280,11 @@ unsafe extern "C" fn pair(
         "b 30f",
         "20:",
         "str r5, [sp, #100]",
+        "orrs r2, r4",
+        "orrs r2, r6",
+        "orrs r2, r7",
+        "lsls r2, r2, #5",
+        "str r2, [sp, #120]",
         unpack!("r4", "8"),
         "mov r4, r12",
         unpack!("r4", "28"),
@@ -281,7 +294,7 @@ unsafe extern "C" fn pair(
         "b 41f",
         "30:",
         "ldr r0, [sp, #104]",
-        "add sp, #120",
+        "add sp, #124",
         restore_upper!(),
         "pop {{r4, r5, r6, r7, pc}}",
         // The next pixel.
@@ -379,6 +392,25 @@ unsafe extern "C" fn pair(
         // Weights by all that tells apart, one thing from another, too.
         "45:",
         "str r1, [sp, #116]",
+        "ldr r0, [sp, #120]",
+        "cmp r0, #0",
+        "bne 44f",
+        // All four are black. So is what is between them, if the nearest is of its thing: of its number, seen alike, and turned
+        // by few steps, which tell less apart than a number does.
+        "ldr r0, [r4]",
+        "cmp r0, r6",
+        "bne 44f",
+        "ldr r0, [r4, #4]",
+        "lsrs r2, r0, #16",
+        "lsrs r3, r1, #16",
+        "cmp r2, r3",
+        "bne 44f",
+        few!("r0", "r1"),
+        "lsrs r0, r0, #8",
+        "lsrs r1, r1, #8",
+        few!("r0", "r1"),
+        "b 69f",
+        "44:",
         "ldr r7, [sp, #80]",
         "ldr r7, [r7, #16]",
         any!("lsls r0, r1, #3; adds r1, r1, r0;", "mov"),
@@ -412,7 +444,7 @@ unsafe extern "C" fn pair(
         "muls r0, r2, r0",
         "lsrs r0, r0, #30",
         "lsls r0, r0, #3",
-        "ldr r3, [sp, #156]",
+        "ldr r3, [sp, #160]",
         "adds r0, r0, r3",
         "ldmia r0, {{r0, r3}}",
         "cmp r0, r2",

@@ -23,9 +23,14 @@ pub(crate) fn run() -> u32 {
     let mut crc = Crc::new();
     for round in 0..FRAMES {
         // How many things there may be, how unlike their places and lights are.
-        let kinds = [1, 1, 2, 3, 5][round as usize % 5];
+        let kinds = [1, 1, 2, 3, 5, 1, 1, 2, 3, 1][round as usize % 10];
         let palette = [(); 5].map(|()| random.u32());
-        let (depths, exponents) = (1 + below(&mut random, 12), 1 + below(&mut random, 20));
+        let depths = 1 + if round % 10 == 9 {
+            0
+        } else {
+            below(&mut random, 12)
+        };
+        let exponents = 1 + below(&mut random, 20);
         let exponent = below(&mut random, 33 - exponents);
         let mut pixel = |random: &mut Xorshift| {
             let kind = palette[below(random, kinds) as usize];
@@ -35,6 +40,10 @@ pub(crate) fn run() -> u32 {
         let guides: [Feature; 4 * PIXELS] = [(); 4 * PIXELS].map(|()| pixel(&mut random));
         let light: [Rgb9e5; PIXELS] = [(); PIXELS].map(|()| {
             let exponent = exponent + below(&mut random, exponents);
+            // Black side by side, too.
+            if round % 5 == 4 && below(&mut random, 4) > 0 {
+                return Rgb9e5::BLACK;
+            }
             light(&mut random, exponent)
         });
         let clean = Clean {
@@ -73,14 +82,16 @@ fn pixel(random: &mut Xorshift, kind: u32, round: u32, depths: u32) -> Feature {
         2 if round % 8 == 1 => albedo = [0; 3],
         _ => {}
     }
-    let turned = if round % 2 == 0 { 0 } else { below(random, 9) as i8 };
+    // By nothing, a few steps, or far.
+    let steps = [0, 1, 0, 1, 0, 1, 0, 1, 0, 30][round as usize % 10];
+    let turned = c as i8 / 4 + below(random, 4) as i8 * steps;
     // Things that look the same way side by side.
     let id = kind as u16 & 3 ^ u16::from(round % 4 >= 2 && below(random, 4) == 0);
     Feature {
         irradiance: Rgb9e5::BLACK,
         albedo,
         depth,
-        normal: Octahedral([b as i8 / 2, c as i8 / 2 + turned]),
+        normal: Octahedral([b as i8 / 2, turned]),
         id,
     }
 }
