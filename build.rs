@@ -1,11 +1,12 @@
 //! Says which multiplier the target has: `narrow_mul` where 32×32→64 is not an instruction (Armv6-M, Armv8-M base); and
 //! `assembly` where these, and RV32IM, take the routines of the crate `microlux-asm`: `columns` or `layers` where it has the
 //! network's layers, `gathers` where it adds up its filter's taps, `neighbours` where it does so by rows, and by affinities that
-//! two pixels share; `normalizes` where it has a vector's direction, `rectangles` where it meets those.
+//! two pixels share; `normalizes` where it has a vector's direction, `rectangles` where it meets those, `upsamples` where
+//! it has the denoiser's pixels twice the size.
 
 fn main() {
     println!(
-        "cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, columns, layers, gathers, neighbours, normalizes, rectangles)"
+        "cargo::rustc-check-cfg=cfg(narrow_mul, counted_zeros, assembly, columns, layers, gathers, neighbours, normalizes, rectangles, upsamples)"
     );
     println!("cargo::rerun-if-changed=build.rs");
     let target = std::env::var("TARGET").unwrap_or_default();
@@ -27,6 +28,7 @@ fn main() {
             println!("cargo::rustc-cfg=normalizes");
             println!("cargo::rustc-cfg=rectangles");
             println!("cargo::rustc-cfg=neighbours");
+            println!("cargo::rustc-cfg=upsamples");
         }
         if is(&["thumbv7m", "thumbv7em", "thumbv8m.main"]) {
             println!("cargo::rustc-cfg=layers");

@@ -4,7 +4,8 @@
 //! says why they decide so (`bvh::traverse`, `shape::triangle`). The firmware's job `meshes` compares the two. `convolve`,
 //! `convolve_seen`, `merge` and `squeeze`, or `activations`, and `heads` are the network's layers, `Rows`, `kins`, `Nine` and
 //! `mean`, or `gather` and `Spread`, its filter; the job `network` holds them against its portable ones. `normalize` is
-//! `geom::Offset`'s and `rectangle` meets one (`shape::planar`), held by the jobs `normalize` and `rectangles`.
+//! `geom::Offset`'s, `rectangle` meets one (`shape::planar`) and `Upsample` shows the denoiser's pixels twice the size
+//! (`film::denoise::upsample`), held by the jobs `normalize`, `rectangles` and `upsampled`.
 //!
 //! Cores of ARMv6-M, ARMv7-M and RV32IM have `Walk` and `Facets`, those of ARMv7-M `activations` and `heads`, those of ARMv7E-M
 //! `gather` and `Spread`, and those of ARMv6-M all that is not named so; elsewhere nothing is there.
@@ -34,7 +35,7 @@ pub use armv6m::{
     normalize::{Normal, normalize},
     pixel::{heads, merge, squeeze},
     rectangle::rectangle,
-    upsample::{MIDDLE, Rows},
+    upsample::{MIDDLE, Upsample},
     walk::Walk,
 };
 #[cfg(armv7em)]

@@ -95,4 +95,5 @@ pub(crate) mod nine;
 pub(crate) mod normalize;
 pub(crate) mod pixel;
 pub(crate) mod rectangle;
+pub(crate) mod upsample;
 pub(crate) mod walk;

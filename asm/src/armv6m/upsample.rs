@@ -6,7 +6,7 @@ use core::marker::PhantomData;
 /// A pixel's second word has an albedo below a distance in its highest byte, its third what is seen. A light has three
 /// mantissas of nine bits below an exponent of five.
 #[repr(C)]
-pub struct Rows<'a> {
+pub struct Upsample<'a> {
     near: *const [u32; 3],
     far: *const [u32; 3],
     near_light: *const u32,
@@ -17,7 +17,7 @@ pub struct Rows<'a> {
     rows: PhantomData<&'a [u32]>,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> Upsample<'a> {
     /// The row that counts three times as much, and the other one. `fall` has weights by differences, `recips` first
     /// guesses 2^47/n by n's seven bits below the top one.
     #[inline]
@@ -26,8 +26,8 @@ impl<'a> Rows<'a> {
         [near_light, far_light]: [&'a [u32]; 2],
         fall: &'a [u8; 64],
         recips: &'a [u16; 128],
-    ) -> Rows<'a> {
-        Rows {
+    ) -> Upsample<'a> {
+        Upsample {
             near: near.as_ptr(),
             far: far.as_ptr(),
             near_light: near_light.as_ptr(),
@@ -121,11 +121,11 @@ macro_rules! sum {
     };
 }
 
-/// A pixel and its light onto the sums where all see the same: on to 40 if it is not alike enough.
+/// A pixel and its light onto the sums where all see the same: on to 39 if it is not alike enough.
 #[rustfmt::skip]
 macro_rules! same {
     ($share:literal, $add:literal) => {
-        concat!(apart!(), "cmp r1, #32; blo 9f; b 40b; 9:", sum!($share, $add))
+        concat!(apart!(), "cmp r1, #32; blo 9f; b 39b; 9:", sum!($share, $add))
     };
 }
 
@@ -173,7 +173,7 @@ macro_rules! shade {
     };
 }
 
-/// r0: rows; r1: the left column; r2: guides; r3: what is shown; then the turns. Answers as [`Rows::between`].
+/// r0: rows; r1: the left column; r2: guides; r3: what is shown; then the turns. Answers as [`Upsample::between`].
 ///
 /// Of the stack: two columns of two pixels, each its second and third words and its light's channels; then rows, guides,
 /// what is shown, whether all see the same (0), the distance if all are alike (else 256), the largest exponent, what is answered, the
@@ -185,7 +185,7 @@ macro_rules! shade {
 /// Both columns are in both rows, and so are their lights.
 #[unsafe(naked)]
 unsafe extern "C" fn pair(
-    rows: &Rows,
+    rows: &Upsample,
     left: usize,
     guides: &[[u32; 3]; 2],
     shown: &mut [[u32; 2]; 2],
@@ -195,7 +195,7 @@ unsafe extern "C" fn pair(
         "push {{r4, r5, r6, r7, lr}}",
         save_upper!(),
         "sub sp, #124",
-        "movs r4, #0",
+        "movs r4, #3",
         "str r4, [sp, #104]",
         "add r5, sp, #80",
         "stmia r5!, {{r0, r2, r3}}",
@@ -293,7 +293,23 @@ unsafe extern "C" fn pair(
         "mov r4, sp",
         "b 41f",
         "30:",
+        "movs r0, #0",
+        "b 32f",
+        // Not this pixel.
+        "39:",
+        "ldr r4, [sp, #112]",
+        "mov r0, sp",
+        "subs r4, r4, r0",
+        "lsrs r4, r4, #5",
+        "movs r0, #1",
+        "lsls r0, r4",
+        "ldr r4, [sp, #104]",
+        "bics r4, r0",
+        "str r4, [sp, #104]",
+        "b 40f",
+        "33:",
         "ldr r0, [sp, #104]",
+        "32:",
         "add sp, #124",
         restore_upper!(),
         "pop {{r4, r5, r6, r7, pc}}",
@@ -302,7 +318,7 @@ unsafe extern "C" fn pair(
         "ldr r4, [sp, #112]",
         "mov r0, sp",
         "cmp r4, r0",
-        "bne 30b",
+        "bne 33b",
         "adds r4, #40",
         "ldr r0, [sp, #84]",
         "adds r0, #12",
@@ -315,7 +331,7 @@ unsafe extern "C" fn pair(
         "ldr r0, [sp, #84]",
         "ldr r6, [r0, #4]",
         "ldr r1, [r0, #8]",
-        shines!("r6", "r0", "40b"),
+        shines!("r6", "r0", "39b"),
         "add r0, sp, #40",
         "subs r0, r0, r4",
         "add r0, sp",
@@ -423,7 +439,7 @@ unsafe extern "C" fn pair(
         "cmp r0, #64",
         "bhi 48f",
         "47:",
-        "b 40b",
+        "b 39b",
         // Onto the eighths in r1 what a number and a turn add: r2 and r3 are what is seen. Back there by lr.
         "46:",
         "eors r2, r3",
@@ -544,7 +560,7 @@ unsafe extern "C" fn pair(
         "58:",
         "b 69f",
         "59:",
-        "b 40b",
+        "b 39b",
         // Times the albedo: red, green, blue in r0, r1, r2 of 16 bits.
         "60:",
         "ldr r3, [sp, #84]",
@@ -597,15 +613,6 @@ unsafe extern "C" fn pair(
         "64:",
         "ldr r3, [sp, #88]",
         "str r0, [r3]",
-        "ldr r3, [sp, #112]",
-        "mov r0, sp",
-        "subs r3, r3, r0",
-        "lsrs r3, r3, #5",
-        "movs r0, #1",
-        "lsls r0, r3",
-        "ldr r3, [sp, #104]",
-        "orrs r3, r0",
-        "str r3, [sp, #104]",
         "b 40b",
         "69:",
         "movs r0, #0",

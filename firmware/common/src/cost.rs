@@ -119,9 +119,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
                 lengths: &lengths_before[..],
                 motion: &motion,
             };
-            region::count(0, || {
-                accumulate(band(now, lengths, above), Some(&past), 1)
-            });
+            region::count(0, || accumulate(band(now, lengths, above), Some(&past), 1));
             motion
         })
         .ok()?;
@@ -129,11 +127,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
 }
 
 /// All of a frame.
-fn band<'a>(
-    rows: &'a mut [Feature],
-    lengths: &'a mut [u8],
-    above: &'a mut [Rgb9e5],
-) -> Band<'a> {
+fn band<'a>(rows: &'a mut [Feature], lengths: &'a mut [u8], above: &'a mut [Rgb9e5]) -> Band<'a> {
     Band {
         size: SIZE,
         first: 0,

@@ -25,7 +25,7 @@ use crate::{
         Kind::{self, Primary},
         Motif,
     },
-    raystones, rectangles, region,
+    raystones, rectangles, region, upsampled,
 };
 
 /// A piece of work with one fingerprint, the same on every target.
@@ -108,7 +108,7 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 6] = [
+const OWN: [Job; 7] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),

@@ -32,7 +32,7 @@ pub(crate) fn run() -> u32 {
         };
         let exponents = 1 + below(&mut random, 20);
         let exponent = below(&mut random, 33 - exponents);
-        let mut pixel = |random: &mut Xorshift| {
+        let pixel = |random: &mut Xorshift| {
             let kind = palette[below(random, kinds) as usize];
             pixel(random, kind, round, depths)
         };

@@ -68,7 +68,7 @@ impl<'a> Coarse<'a> {
         Lines {
             rows,
             #[cfg(upsamples)]
-            routine: microlux_asm::Rows::new(
+            routine: microlux_asm::Upsample::new(
                 rows.map(|(pixels, _)| transmute_ref!(pixels)),
                 rows.map(|(_, light)| transmute_ref!(light)),
                 &FALL,
@@ -82,7 +82,7 @@ impl<'a> Coarse<'a> {
 pub(super) struct Lines<'a> {
     rows: [(&'a [Feature], &'a [Rgb9e5]); 2],
     #[cfg(upsamples)]
-    routine: microlux_asm::Rows<'a>,
+    routine: microlux_asm::Upsample<'a>,
 }
 
 impl<'a> Lines<'a> {

@@ -216,18 +216,17 @@ impl Mean {
     /// [`Self::light`] of weights that are 256 in all.
     #[inline]
     pub(super) fn light_of_256(&self) -> Rgb9e5 {
-        let sums = self.sum;
-        let shift = 23 - leading_zeros(sums[0] | sums[1] | sums[2]) as i32;
-        let e = self.exponent as i32 + shift - 17;
-        if shift > 0 {
-            // What the reciprocal is less than 1/256 rounds halves down. raw: under 2^26 + 2^16
-            let less = (1 << (shift - 1)) - 1;
-            let [r, g, b] = sums.map(|sum| (sum + less) >> shift);
-            if r | g | b < 512 && (0..32).contains(&e) {
-                return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
-            }
+        let zeros = leading_zeros(self.sum[0] | self.sum[1] | self.sum[2] | 1);
+        let top = self.sum.map(|sum| sum << zeros);
+        // To nine bits, halves down: the reciprocal's mantissa is 2^32 − 2. raw: sums are under 2^26
+        let [r, g, b] = top.map(|top| ((top >> 1) + (1 << 21) - 1) >> 22);
+        let e = self.exponent as i32 + 6 - zeros as i32;
+        if (256..512).contains(&(r | g | b)) && (0..32).contains(&e) {
+            return Rgb9e5(r | g << 9 | b << 18 | (e as u32) << 27);
         }
-        Mean::encoded(self.shifted(sums, 8))
+        // The high word of a product with that.
+        let less = |x: u32| x - (x >> 31) - u32::from(x << 1 != 0);
+        Rgb9e5::at_an_end(top.map(less), e - 47)
     }
 
     #[inline(always)]
