@@ -348,15 +348,14 @@ impl Clean<'_> {
             let lines = coarse.lines(y);
             let (first, others) = row.split_at_mut(row.len().min(1));
             let (pairs, last) = others.as_chunks_mut::<2>();
-            let pixels = pairs.len() as u16;
-            let ends = [(0, 0, first), (pixels + 1, 2 * pixels + 1, last)];
+            let ends = [(0, first), (2 * pairs.len() as u16 + 1, last)];
             for (k, pair) in (1..).zip(pairs) {
                 let guides = [guide(2 * k - 1, y), guide(2 * k, y)];
                 lines.pair(coarse, [k, y], &guides, &mut turns, pair);
             }
-            for (k, x, shown) in ends {
+            for (x, shown) in ends {
                 for shown in shown {
-                    *shown = lines.four(k).shown(coarse, [x, y], &guide(x, y), &mut turns);
+                    *shown = lines.single(coarse, [x, y], &guide(x, y), &mut turns);
                 }
             }
         };

@@ -116,7 +116,6 @@ impl<'a> Lines<'a> {
 
     /// What of [`Self::pair`] is not done: the first but for 1, the second but for 2.
     #[cfg(upsamples)]
-    #[inline(never)]
     fn rest(
         &self,
         coarse: Coarse,
@@ -126,12 +125,17 @@ impl<'a> Lines<'a> {
         shown: &mut [Seen; 2],
         done: u32,
     ) {
-        let four = self.four(k);
         for (i, (guide, shown)) in (0..).zip(guides.iter().zip(shown)) {
             if done >> i & 1 == 0 {
-                *shown = four.shown(coarse, [2 * k - 1 + i, y], guide, turns);
+                *shown = self.single(coarse, [2 * k - 1 + i, y], guide, turns);
             }
         }
+    }
+
+    /// What fine pixel (x, y) shows, by itself.
+    #[inline(never)]
+    pub fn single(&self, coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turns: &mut Turns) -> Seen {
+        self.four(x.div_ceil(2)).shown(coarse, [x, y], guide, turns)
     }
 
     /// The four pixels about fine columns 2 `k` − 1 and 2 `k`; black where there are none.
