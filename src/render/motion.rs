@@ -161,7 +161,11 @@ impl Glance {
         // A unit either way, and 2^-12 of it all by the short factors.
         let unit = (pixels << 17 >> pixel_shift) as u64;
         let slack_moved = 2 * unit + (most >> 12);
-        let bits_moved = 64 - (most | slack_moved).leading_zeros() as i32;
+        let bits = most | slack_moved;
+        let bits_moved = match (bits >> 32) as u32 {
+            0 => 32 - leading_zeros(bits as u32) as i32,
+            upper => 64 - leading_zeros(upper) as i32,
+        };
         let moved_down = (bits_moved - 15).max(0);
 
         let half = (half >> (per_width.shift - 10)) as i32;
