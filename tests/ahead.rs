@@ -1,6 +1,6 @@
 //! What is ahead of a block of pixels: a ray that is asked of those shapes alone meets what it meets of all, and a shadow
-//! ray from there is stopped by them if it is stopped at all; so it is by what may shade the part of the scene where it begins, and a ray that goes from
-//! part to part meets what it meets of all.
+//! ray from there is stopped by them if it is stopped at all; so it is by what may shade the part of the scene where it
+//! begins, and a ray that goes from part to part meets what it meets of all.
 
 mod scenes;
 

@@ -37,7 +37,7 @@ impl Rgb9e5 {
     /// Three channels under 2^16, times 2^`exponent`, times shares: `encode(Radiance::from_bits(..).mul_albedo(by))`, the
     /// same bits.
     #[inline]
-    pub fn encode_product(channels: [u32; 3], exponent: i32, by: Albedo) -> Rgb9e5 {
+    pub(crate) fn encode_product(channels: [u32; 3], exponent: i32, by: Albedo) -> Rgb9e5 {
         let bits = [0, 1, 2].map(|i| channels[i] * u32::from(by.0[i].to_bits()));
         Rgb9e5::encode_bits(bits, exponent - 15)
     }

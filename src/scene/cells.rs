@@ -68,8 +68,9 @@ impl<'a> Scene<'a> {
     /// those shapes alone, with the same answers.
     ///
     /// 8, 64, 512, 4096 or 32,768 of `cells` are used; with fewer than 8, more than 31 shapes or an infinite plane the scene
-    /// stays as it is. Where a mesh is, or more than six shapes may shade, the tree is asked. It takes some thousand instructions a cell, and pays for long paths:
-    /// what the camera sees itself is told block by block as it is drawn ([`Self::ahead`]).
+    /// stays as it is. Where a mesh is, or more than six shapes may shade, the tree is asked. It takes some thousand
+    /// instructions a cell, and pays for long paths: what the camera sees itself is told block by block as it is drawn
+    /// ([`Self::ahead`]).
     ///
     /// Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987; Haines and Wallace, "Shaft Culling for
     /// Efficient Ray-Traced Radiosity", 1991.

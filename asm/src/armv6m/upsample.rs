@@ -141,6 +141,20 @@ macro_rules! any {
     };
 }
 
+/// All four pixels, by 9 : 3 : 3 : 1: those of the column at r4, then those of the column in r11.
+#[rustfmt::skip]
+macro_rules! nine_three_three_one {
+    ($one:ident) => {
+        concat!(
+            $one!("lsls r0, r1, #3; adds r1, r1, r0;", "mov"),
+            $one!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
+            "mov r4, r11;",
+            $one!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
+            $one!("", "add"),
+        )
+    };
+}
+
 /// 3 · `$a` + `$b` in `$a`, by r0.
 #[rustfmt::skip]
 macro_rules! three_to_one {
@@ -398,11 +412,7 @@ unsafe extern "C" fn pair(
         "51:",
         "ldr r7, [sp, #80]",
         "ldr r7, [r7, #16]",
-        same!("lsls r0, r1, #3; adds r1, r1, r0;", "mov"),
-        same!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
-        "mov r4, r11",
-        same!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
-        same!("", "add"),
+        nine_three_three_one!(same),
         "mov r0, r12",
         "b 48f",
         // Weights by all that tells apart, one thing from another, too.
@@ -429,11 +439,7 @@ unsafe extern "C" fn pair(
         "44:",
         "ldr r7, [sp, #80]",
         "ldr r7, [r7, #16]",
-        any!("lsls r0, r1, #3; adds r1, r1, r0;", "mov"),
-        any!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
-        "mov r4, r11",
-        any!("lsls r0, r1, #1; adds r1, r1, r0;", "add"),
-        any!("", "add"),
+        nine_three_three_one!(any),
         // Maybe none of these is of the pixel's thing.
         "mov r0, r12",
         "cmp r0, #64",
