@@ -3,7 +3,7 @@
 use microlux::color::Rgb9e5;
 use microlux::film::Feature;
 use microlux::film::denoise::network::{
-    BIASES, CHANNELS, CHECKSUM, FEATURES, HEAD, INPUTS, Input, LAYERS, LEVELS, MAX_SIDE, Needs, Network,
+    BIASES, CHANNELS, CHECKSUM, FEATURES, HEAD, INPUTS, Input, LAYERS, LEVELS, Layer, MAX_SIDE, Needs, Network,
     NetworkError, Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
@@ -81,7 +81,7 @@ fn weights(rng: &mut Random) -> (Box<[i8; WEIGHTS]>, Box<[i16; BIASES]>) {
     let mut table = Box::new([0i8; WEIGHTS]);
     let mut from = 0;
     for layer in LAYERS {
-        let inputs = layer.taps * layer.inputs;
+        let inputs = layer.weights() / layer.outputs;
         for output in 0..layer.outputs {
             let (mut above, mut below) = (520, 520);
             let largest = 1 + rng.below(127) as i32;
@@ -115,7 +115,7 @@ fn plainly(
     }
     let place = |number: usize| -> (usize, usize) {
         let before = &LAYERS[..number];
-        let weights = before.iter().map(|l| l.taps * l.inputs * l.outputs).sum();
+        let weights = before.iter().map(Layer::weights).sum();
         (weights, before.iter().map(|l| l.outputs).sum())
     };
     let sums = |number: usize, from: &Planes| -> Vec<Vec<i32>> {
@@ -137,15 +137,19 @@ fn plainly(
                     .map(|&b| b.into())
                     .collect();
                 let mut weight = table[first..].iter();
-                for dy in -reach..=reach {
-                    for dx in -reach..=reach {
-                        for a in at(x + dx, y + dy) {
-                            for sum in &mut sum {
-                                *sum += a * i32::from(*weight.next().unwrap());
-                            }
+                let add = |sum: &mut [i32], inputs: &[i32], weight: &mut std::slice::Iter<i8>| {
+                    for a in inputs {
+                        for sum in &mut *sum {
+                            *sum += a * i32::from(*weight.next().unwrap());
                         }
                     }
+                };
+                for dy in -reach..=reach {
+                    for dx in -reach..=reach {
+                        add(&mut sum, &at(x + dx, y + dy)[..layer.inputs], &mut weight);
+                    }
                 }
+                add(&mut sum, &at(x, y)[layer.inputs..], &mut weight);
                 out.push(sum);
             }
         }
@@ -511,17 +515,21 @@ fn what_is_short_is_named() {
 fn weights_whose_sums_do_not_fit_are_refused() {
     let mut table = Box::new([0i8; WEIGHTS]);
     let biases = [0; BIASES];
-    // Output 2 of the second layer: 520 is the most, above and below 0.
-    let first = 9 * INPUTS * CHANNELS[0] + 2;
-    for sign in [1, -1] {
-        for (i, w) in [100, 100, 100, 100, 120].into_iter().enumerate() {
-            table[first + i * CHANNELS[1]] = w * sign;
+    let [one, two, ..] = CHANNELS;
+    let second = LAYERS[0].weights();
+    // Output 2 of the first layer, from its last input of light on, and of the second: 520 is the most, above and below 0.
+    let own = LAYERS[0].own * one;
+    for (layer, first, step) in [(0, second - own - one + 2, one), (1, second + 2, two)] {
+        for sign in [1, -1] {
+            for (i, w) in [100, 100, 100, 100, 120].into_iter().enumerate() {
+                table[first + i * step] = w * sign;
+            }
+            assert!(Weights::new(&table, &biases).is_ok());
+            table[first + 5 * step] = sign;
+            let error = Weights::new(&table, &biases).err();
+            assert_eq!(error, Some(WeightsError { layer, output: 2 }));
+            table.fill(0);
         }
-        assert!(Weights::new(&table, &biases).is_ok());
-        table[first + 5 * CHANNELS[1]] = sign;
-        let error = Weights::new(&table, &biases).err();
-        assert_eq!(error, Some(WeightsError { layer: 1, output: 2 }));
-        table.fill(0);
     }
 }
 

@@ -95,7 +95,7 @@ pub static TRAINED: Weights<'static> = match Weights::new(&TABLE, &BIAS) {{
     writeln!(text, "#[rustfmt::skip]\nstatic TABLE: [i8; WEIGHTS] = [")?;
     for (number, layer) in LAYERS.iter().enumerate() {
         let (from, _) = state.params.size.place(number);
-        let part = &weights[from..][..layer.taps * layer.inputs * layer.outputs];
+        let part = &weights[from..][..layer.weights()];
         lines(&mut text, NAMES[number], part.iter().map(|w| i32::from(*w)))?;
     }
     writeln!(text, "];\n\n#[rustfmt::skip]\nstatic BIAS: [i16; BIASES] = [")?;

@@ -5,7 +5,7 @@
 //! every sum is a whole number below 2^24, heads are the core's bit for bit. Backwards rounding counts as no change
 //! (straight through).
 
-use microlux::film::denoise::network::{EXP, FEATURES, HEAD, INPUTS, LEVELS};
+use microlux::film::denoise::network::{EXP, FEATURES, HEAD, INPUTS, LEVELS, LIGHTS};
 use wide::f32x8;
 
 use crate::size::Size;
@@ -78,6 +78,18 @@ impl Planes {
 
     fn like(other: &Planes) -> Planes {
         Planes::new(other.channels, other.height, other.width)
+    }
+
+    /// The first `channels`, and the others.
+    fn split(mut self, channels: usize) -> (Planes, Planes) {
+        let data = self.data.split_off(channels * self.height * self.width);
+        let rest = Planes {
+            channels: self.channels - channels,
+            data,
+            ..self
+        };
+        self.channels = channels;
+        (self, rest)
     }
 
     fn plane(&self, channel: usize) -> &[f32] {
@@ -408,7 +420,9 @@ pub struct Heads {
 
 /// What the forward pass of the extractor leaves for the way back.
 pub struct Trace {
-    input: Planes,
+    light: Planes,
+    /// What else is seen of a pixel.
+    own: Planes,
     /// Of each size: activations on the way down, whether within range, and where the pool took its input from.
     down: Vec<(Planes, Vec<bool>)>,
     pooled: Vec<(Planes, Vec<u32>)>,
@@ -423,7 +437,7 @@ fn part<'p>(params: &'p Params, number: usize) -> (&'p [f32], &'p [f32]) {
     let (w, b) = params.size.place(number);
     let layer = params.size.layers()[number];
     (
-        &params.weights[w..][..layer.taps * layer.inputs * layer.outputs],
+        &params.weights[w..][..layer.weights()],
         &params.biases[b..][..layer.outputs],
     )
 }
@@ -432,7 +446,7 @@ fn part_mut<'p>(params: &'p mut Params, number: usize) -> (&'p mut [f32], &'p mu
     let (w, b) = params.size.place(number);
     let layer = params.size.layers()[number];
     (
-        &mut params.weights[w..][..layer.taps * layer.inputs * layer.outputs],
+        &mut params.weights[w..][..layer.weights()],
         &mut params.biases[b..][..layer.outputs],
     )
 }
@@ -451,10 +465,24 @@ fn convolve(params: &Params, number: usize, input: &Planes, mode: Mode) -> (Plan
     (out, within)
 }
 
+/// The first layer: 3 × 3 of light, and what else is seen of the pixel itself.
+fn see(params: &Params, light: &Planes, own: &Planes, mode: Mode) -> (Planes, Vec<bool>) {
+    let (weights, bias) = part(params, 0);
+    let outputs = bias.len();
+    let (of_light, of_own) = weights.split_at(weights.len() - own.channels * outputs);
+    let mut out = mix(own, of_own, bias, outputs);
+    let mut more = Planes::like(&out);
+    correlate_any(&Padded::of(light, 1, true), light.channels, of_light, &[], &mut more);
+    add(&mut out, &more);
+    let within = activate(&mut out, mode);
+    (out, within)
+}
+
 /// `params` as [`Params::seen`] has them; `input` in whole numbers 0 ..= 63.
 pub fn extract(params: &Params, input: Planes, mode: Mode) -> Trace {
     assert_eq!(input.channels, INPUTS);
-    let mut down = vec![convolve(params, 0, &input, mode)];
+    let (light, own) = input.split(LIGHTS);
+    let mut down = vec![see(params, &light, &own, mode)];
     let mut pooled = Vec::new();
     for level in 1..LEVELS {
         let (small, from) = pool(&down[level - 1].0);
@@ -477,7 +505,8 @@ pub fn extract(params: &Params, input: Planes, mode: Mode) -> Trace {
     }
     heads.reverse();
     Trace {
-        input,
+        light,
+        own,
         down,
         pooled,
         bottom,
@@ -571,7 +600,12 @@ pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<Head>], grad: &
         let (weights, _) = part(params, level);
         let (gw, gb) = part_mut(grad, level);
         if level == 0 {
-            convolve_back(&trace.input, weights, &d, false, gw, gb);
+            let (_, of_own) = weights.split_at(weights.len() - trace.own.channels * d.channels);
+            let (light_gw, own_gw) = gw.split_at_mut(weights.len() - of_own.len());
+            mix_back(&trace.own, of_own, &d, own_gw, gb);
+            // The biases' were added.
+            let mut again = vec![0.0; d.channels];
+            convolve_back(&trace.light, &[], &d, false, light_gw, &mut again);
             break;
         }
         let (small, from) = &trace.pooled[level - 1];

@@ -88,9 +88,9 @@ impl State {
         let mut params = Params::zero(size);
         for (number, layer) in size.layers().iter().enumerate() {
             let (from, _) = size.place(number);
-            let fan_in = (layer.taps * layer.inputs) as f32;
+            let fan_in = (layer.weights() / layer.outputs) as f32;
             let most = 64.0 * (3.0 / fan_in).sqrt();
-            for w in &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs] {
+            for w in &mut params.weights[from..][..layer.weights()] {
                 *w = rng.random_range(-most..most);
             }
         }
@@ -192,7 +192,7 @@ pub fn bound(params: &mut Params) {
         .for_each(|b| *b = b.clamp(-32768.0, 32767.0));
     for (number, layer) in params.size.layers().iter().enumerate() {
         let (from, _) = params.size.place(number);
-        let weights = &mut params.weights[from..][..layer.taps * layer.inputs * layer.outputs];
+        let weights = &mut params.weights[from..][..layer.weights()];
         for output in 0..layer.outputs {
             for sign in [1.0f32, -1.0] {
                 loop {
@@ -432,7 +432,7 @@ mod tests {
                 let (from, biases) = size.place(number);
                 let layer = size.layers()[number];
                 for _ in 0..6 {
-                    let at = from + rng.random_range(0..layer.taps * layer.inputs * layer.outputs);
+                    let at = from + rng.random_range(0..layer.weights());
                     let step = 0.25;
                     let mut moved = params.clone();
                     moved.weights[at] += step;

@@ -5,7 +5,9 @@ use core::mem::offset_of;
 const WORDS: usize = 6;
 /// Outputs of a pass.
 const OUTPUTS: usize = 4;
-/// Bytes of what is seen of a pixel.
+/// Of what is seen of a pixel.
+const LIGHTS: usize = 3;
+/// Bytes of it.
 const SEEN: usize = 12;
 
 /// A pass over a row's columns, whose frame this is.
@@ -32,9 +34,7 @@ const BIASES: usize = offset_of!(Pass, biases);
 const OUT: usize = offset_of!(Pass, out);
 const STRIDE: usize = offset_of!(Pass, stride);
 const LEFT: usize = offset_of!(Pass, left);
-const SAME: usize = size_of::<Pass>();
-const KEPT: usize = SAME + 4 * WORDS;
-const FRAME: usize = KEPT + 4 * WORDS;
+const FRAME: usize = size_of::<Pass>();
 
 /// A 3 × 3 layer over the rows above, at and below, of `width` pixels of `inputs` (a multiple of 4) activations each; the
 /// picture's edge goes on outwards. Outputs are sums modulo 2^32 of two 16-bit lanes, their lower one first, plus their biases,
@@ -51,35 +51,36 @@ pub fn convolve(
 ) {
     if inputs > 0 && inputs.is_multiple_of(4) {
         // SAFETY: `columns` takes fours of inputs.
-        unsafe { passes(columns, rows, [width, inputs], words, biases, out) }
+        unsafe { passes(columns, rows, [width, inputs, inputs], words, biases, out) }
     }
 }
 
-/// The same over what is seen of a pixel, 12 bytes, of which the last eight are looked at once for pixels side by side that have
-/// the same: the very last one is 0, in all three rows, where they are those of the pixel before, and never at a row's first.
+/// The same over what is seen of a pixel: three inputs and a byte of 0, then the two words that its own sums begin with.
 ///
-/// The words of a pass are row by row those of the first four bytes, then row by row those of the last eight.
+/// Rows that are no words in memory are no rows.
 pub fn convolve_seen(rows: [&[u8]; 3], width: usize, words: &[[u32; WORDS]], biases: &[i16], out: &mut [u8]) {
-    // SAFETY: `seen_columns` takes `SEEN` bytes a pixel.
-    unsafe { passes(seen_columns, rows, [width, SEEN], words, biases, out) }
+    if rows.iter().all(|row| row.as_ptr().cast::<u32>().is_aligned()) && biases.len() == OUTPUTS {
+        // SAFETY: `seen_columns` takes `SEEN` bytes a pixel, which are words, and `LIGHTS` of them times their weights.
+        unsafe { passes(seen_columns, rows, [width, SEEN, LIGHTS], words, biases, out) }
+    }
 }
 
 /// # Safety
 ///
-/// `make` takes pixels of `inputs` bytes, not 0, and 3 · `inputs` times [`WORDS`] for a pass.
+/// `make` takes pixels of `size` bytes, not 0, and 3 · `inputs` times [`WORDS`] for a pass.
 #[inline(always)]
 unsafe fn passes(
     make: unsafe extern "C" fn(*const Pass),
     rows: [&[u8]; 3],
-    [width, inputs]: [usize; 2],
+    [width, size, inputs]: [usize; 3],
     words: &[[u32; WORDS]],
     biases: &[i16],
     out: &mut [u8],
 ) {
     let outputs = biases.len();
     // No product of two of these wraps.
-    let is_small = (width | inputs | outputs) >> 16 == 0;
-    let is_short = rows.iter().any(|row| row.len() < width * inputs) || out.len() < width * outputs;
+    let is_small = (width | size | outputs) >> 16 == 0;
+    let is_short = rows.iter().any(|row| row.len() < width * size) || out.len() < width * outputs;
     if width == 0 || !is_small || is_short {
         return;
     }
@@ -92,7 +93,7 @@ unsafe fn passes(
         words = rest;
         let pass = Pass {
             rows: rows.map(<[u8]>::as_ptr),
-            fours: inputs / 4,
+            fours: size / 4,
             words: own.as_ptr().cast(),
             biases: biases.map(|bias| i32::from(bias) + 32),
             out: out.as_mut_ptr().wrapping_add(number * OUTPUTS),
@@ -119,9 +120,9 @@ macro_rules! add {
 }
 
 /// A function of a [`Pass`] from `$process`, which adds a column to the sums of the pixel before it (r8, r9), its own (r10, r11)
-/// and the one behind it (r12, lr), and `$behind`, which is out of its way.
+/// and the one behind it (r12, lr), and `$aside`, which is out of its way, and near.
 macro_rules! pass {
-    ({$($process:tt)*} {$($behind:tt)*}) => {
+    ({$($aside:tt)*} {$($process:tt)*}) => {
         naked_asm!(
             "push {{r4, r5, r6, r7, lr}}",
             save_upper!(),
@@ -130,6 +131,7 @@ macro_rules! pass {
             "ldmia r0!, {{r2, r3, r4, r5, r6, r7}}; stmia r1!, {{r2, r3, r4, r5, r6, r7}}",
             "ldmia r0!, {{r2, r3, r4, r5, r6, r7}}; stmia r1!, {{r2, r3, r4, r5, r6, r7}}",
             "movs r0, #0; mov r8, r0; mov r9, r0; mov r10, r0; mov r11, r0; mov r12, r0; mov lr, r0",
+            $($aside)*
             "10:",
             $($process)*
             "ldr r6, [sp, #{left}]; subs r6, #1; bmi 60f",
@@ -159,7 +161,6 @@ macro_rules! pass {
             "add r10, r12; add r11, lr",
             "b 52b",
             cut!("65", "50"),
-            $($behind)*
             above = const ROWS,
             at = const ROWS + 4,
             below = const ROWS + 8,
@@ -181,7 +182,7 @@ macro_rules! pass {
 /// All in it points to what it says.
 #[unsafe(naked)]
 unsafe extern "C" fn columns(pass: *const Pass) {
-    pass!({
+    pass!({} {
         "ldr r3, [sp, #{words}]",
         "ldr r1, [sp, #{above}]; ldr r2, [sp, #{fours}]",
         run!({ add!() } "24"),
@@ -192,30 +193,20 @@ unsafe extern "C" fn columns(pass: *const Pass) {
         "ldr r1, [sp, #{below}]; ldr r2, [sp, #{fours}]",
         run!({ add!() } "24"),
         "str r1, [sp, #{below}]",
-    } {})
+    })
 }
 
-/// A row's first four bytes, of which few are 0, from r1 on, which moves on by a pixel.
-macro_rules! own {
+/// A row's light, three bytes in r2, from the lowest on.
+macro_rules! light {
     () => {
         concat!(
-            "ldrb r0, [r1];",
+            "uxtb r0, r2;",
             add!(),
-            "ldrb r0, [r1, #1];",
+            "lsrs r2, r2, #8; uxtb r0, r2;",
             add!(),
-            "ldrb r0, [r1, #2];",
+            "lsrs r0, r2, #8;",
             add!(),
-            "ldrb r0, [r1, #3];",
-            add!(),
-            "adds r1, #12;",
         )
-    };
-}
-
-/// The six sums to r2 to r7.
-macro_rules! take {
-    () => {
-        "mov r2, r8; mov r3, r9; mov r4, r10; mov r5, r11; mov r6, r12; mov r7, lr"
     };
 }
 
@@ -223,45 +214,29 @@ macro_rules! take {
 ///
 /// # Safety
 ///
-/// All in it points to what it says.
+/// All in it points to what it says; pixels are whole words.
 #[unsafe(naked)]
 unsafe extern "C" fn seen_columns(pass: *const Pass) {
     pass!({
-        "ldr r3, [sp, #{words}]",
-        "ldr r1, [sp, #{above}]; ldrb r2, [r1, #11]",
-        own!(),
-        "str r1, [sp, #{above}]",
-        "ldr r1, [sp, #{at}]; ldrb r0, [r1, #11]; orrs r2, r0",
-        own!(),
-        "str r1, [sp, #{at}]",
-        "ldr r1, [sp, #{below}]; ldrb r0, [r1, #11]; orrs r2, r0",
-        own!(),
-        "str r1, [sp, #{below}]",
-        "cmp r2, #0; beq 45f",
-        "b 70f",
-        "45:",
-        "add r0, sp, #{same}; ldmia r0!, {{r2, r3, r4, r5, r6, r7}}",
-        "add r8, r2; add r9, r3; add r10, r4; add r11, r5; add r12, r6; add lr, r7",
+        "b 10f",
+        // Black.
+        "41: adds r3, #3 * 24; b 43f",
+        "42: adds r3, #3 * 24; b 44f",
     } {
-        // The sums so far are kept while the others are made.
-        "70:",
-        "mov r1, r3",
-        take!(),
-        "add r0, sp, #{kept}; stmia r0!, {{r2, r3, r4, r5, r6, r7}}",
-        "mov r3, r1",
-        "movs r0, #0; mov r8, r0; mov r9, r0; mov r10, r0; mov r11, r0; mov r12, r0; mov lr, r0",
-        "ldr r1, [sp, #{above}]; subs r1, #8; movs r2, #2",
-        run!({ add!() } "24"),
-        "ldr r1, [sp, #{at}]; subs r1, #8; movs r2, #2",
-        run!({ add!() } "24"),
-        "ldr r1, [sp, #{below}]; subs r1, #8; movs r2, #2",
-        run!({ add!() } "24"),
-        take!(),
-        "add r0, sp, #{same}; stmia r0!, {{r2, r3, r4, r5, r6, r7}}",
-        "ldmia r0!, {{r2, r3, r4, r5, r6, r7}}",
-        "mov r8, r2; mov r9, r3; mov r10, r4; mov r11, r5; mov r12, r6; mov lr, r7",
-        "b 45b",
-        same = const SAME,
-        kept = const KEPT,
+        "ldr r3, [sp, #{words}]",
+        "ldr r1, [sp, #{above}]; ldr r2, [r1]; adds r1, #12; str r1, [sp, #{above}]",
+        "cmp r2, #0; beq 41b",
+        light!(),
+        // The middle one has the pixel's own sums, too.
+        "43:",
+        "ldr r1, [sp, #{at}]; ldmia r1!, {{r2, r4, r5}}; str r1, [sp, #{at}]",
+        "add r10, r4; add r11, r5",
+        "cmp r2, #0; beq 42b",
+        light!(),
+        "44:",
+        "ldr r1, [sp, #{below}]; ldr r2, [r1]; adds r1, #12; str r1, [sp, #{below}]",
+        "cmp r2, #0; beq 45f",
+        light!(),
+        "45:",
     })
 }

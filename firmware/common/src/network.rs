@@ -89,7 +89,7 @@ fn look(crc: &mut Crc, random: &mut Xorshift, weights: Weights, [width, height]:
 fn fill(random: &mut Xorshift, table: &mut [i8; WEIGHTS], biases: &mut [i16; BIASES]) {
     let mut from = 0;
     for layer in LAYERS {
-        let count = layer.taps * layer.inputs * layer.outputs;
+        let count = layer.weights();
         for output in 0..layer.outputs {
             let (mut above, mut below) = (REACH, REACH);
             let shift = random.u32() >> 30;

@@ -1,23 +1,60 @@
 //! Layers as a core takes them whose routines go column by column (`microlux_asm::convolve`).
 
+use super::input::OWN;
 use super::layer::{Layer, Weights, word};
-use super::{CHANNELS, HEAD, INPUTS, LEVELS};
+use super::{HEAD, LIGHTS};
 use microlux_asm::{convolve, convolve_seen, heads, merge, squeeze};
+use zerocopy::FromBytes;
 
-/// What the first layer takes of a pixel.
-pub type Seen = [u32; 3];
+/// Light, then the sums of what else there is, two to a word.
+type Seen = [u32; 1 + OUTPUTS / 2];
+/// Bytes of what the first layer takes of a pixel.
+pub const SEEN: usize = size_of::<Seen>();
 
-/// The order in which its bytes are seen: light and depth, then what pixels side by side often have alike. The last is no input.
-const ORDER: [usize; size_of::<Seen>()] = [0, 1, 2, 9, 3, 4, 5, 6, 7, 8, 10, INPUTS];
-/// Of these, those that pixels seldom have alike.
-const OWN: usize = 4;
-/// Any other order.
-const PLAIN: [usize; CHANNELS[LEVELS - 1]] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11];
+/// A row of what is seen, to be filled.
+pub struct Row<'r> {
+    places: core::slice::IterMut<'r, Seen>,
+    words: &'r [[u32; OUTPUTS / 2]; OWN],
+    /// Sums of what pixels side by side often have alike.
+    still: [u32; OUTPUTS / 2],
+}
 
-/// Of the words that an [`Input`](super::Input) is made of, where it differs from the pixel before it in its row in the last two.
-#[inline(always)]
-pub fn seen(bright: u32, still: [u32; 2], differs: bool) -> Seen {
-    [bright, still[0], still[1] | u32::from(differs) << 24]
+impl Row<'_> {
+    /// The next pixel's, of the words that an [`Input`](super::Input) is made of, and where it differs from the pixel before it in
+    /// the last two, as the row's first does.
+    #[inline(always)]
+    pub fn push(&mut self, bright: u32, still: [u32; 2], differs: bool) {
+        if differs {
+            self.still = sums(self.words, still);
+        }
+        if let Some(place) = self.places.next() {
+            let [a, b] = self.words[DEPTH];
+            let depth = bright >> 24;
+            *place = [
+                bright & 0xff_ffff,
+                self.still[0].wrapping_add(a.wrapping_mul(depth)),
+                self.still[1].wrapping_add(b.wrapping_mul(depth)),
+            ];
+        }
+    }
+}
+
+/// Of a pixel's own inputs, its depth.
+const DEPTH: usize = OWN - 2;
+
+/// Of all of them but for depth.
+#[inline(never)]
+fn sums(words: &[[u32; OUTPUTS / 2]; OWN], [mut first, mut second]: [u32; 2]) -> [u32; OUTPUTS / 2] {
+    let [albedo @ .., samples] = words;
+    let mut sums = samples.map(|word| word.wrapping_mul(second >> 16));
+    for words in &albedo[..DEPTH] {
+        for (sum, word) in sums.iter_mut().zip(words) {
+            *sum = sum.wrapping_add(word.wrapping_mul(first & 0xff));
+        }
+        first = first >> 8 | second << 24;
+        second >>= 8;
+    }
+    sums
 }
 
 impl Weights<'_> {
@@ -27,25 +64,22 @@ impl Weights<'_> {
         Self: 'w,
     {
         let (layer, weights, biases) = self.layer(number);
-        let is_first = number == 0;
-        let inputs = if is_first { ORDER.len() } else { layer.inputs };
-        let (front, rest) = words.split_at_mut(layer.taps * inputs * layer.outputs / 2);
+        let (front, rest) = words.split_at_mut(weights.len() / 2);
         let (pairs, _) = front.as_chunks_mut();
         if layer.taps == 1 {
             // A head's in one pass.
             let pass = if number < FIRST_HEAD { OUTPUTS } else { HEAD };
             pack_pixels(layer, weights, pass, pairs);
-        } else if is_first {
-            let (own, often) = ORDER.split_at(OWN);
-            pack_columns(layer, weights, &[own, often], pairs);
         } else {
-            pack_columns(layer, weights, &[&PLAIN[..inputs]], pairs);
+            let (near, own) = weights.split_at(weights.len() - layer.own * layer.outputs);
+            let (columns, pixels) = pairs.split_at_mut(near.len() / OUTPUTS);
+            pack_columns(layer, near, columns);
+            pack_pixels(layer, own, OUTPUTS, pixels);
         }
         let packed = Packed {
             words: front,
             biases,
-            inputs,
-            is_first,
+            inputs: layer.inputs,
         };
         (packed, rest)
     }
@@ -56,23 +90,16 @@ const FIRST_HEAD: usize = 11;
 /// Outputs of a pass, but for heads.
 const OUTPUTS: usize = 4;
 
-/// Of a 3 × 3 layer: pass by pass, of `parts` one after the other, row by row, input by input, from the right tap to the left.
-fn pack_columns(layer: Layer, weights: &[i8], parts: &[&[usize]], to: &mut [[u32; OUTPUTS / 2]]) {
+/// Of a 3 × 3 layer: pass by pass, row by row, input by input, from the right tap to the left.
+fn pack_columns(layer: Layer, weights: &[i8], to: &mut [[u32; OUTPUTS / 2]]) {
     let mut to = to.iter_mut();
     for pass in 0..layer.outputs / OUTPUTS {
-        for part in parts {
-            for row in 0..3 {
-                for &input in *part {
-                    for tap in [2, 1, 0] {
-                        let Some(words) = to.next() else { return };
-                        *words = [0; 2];
-                        if input < layer.inputs {
-                            let at =
-                                ((3 * row + tap) * layer.inputs + input) * layer.outputs + pass * OUTPUTS;
-                            if let Some(&[a, b, c, d]) = weights[at..].first_chunk() {
-                                *words = [word([a, b]), word([c, d])];
-                            }
-                        }
+        for row in 0..3 {
+            for input in 0..layer.inputs {
+                for tap in [2, 1, 0] {
+                    let at = ((3 * row + tap) * layer.inputs + input) * layer.outputs + pass * OUTPUTS;
+                    if let (Some(&[a, b, c, d]), Some(words)) = (weights[at..].first_chunk(), to.next()) {
+                        *words = [word([a, b]), word([c, d])];
                     }
                 }
             }
@@ -80,7 +107,7 @@ fn pack_columns(layer: Layer, weights: &[i8], parts: &[&[usize]], to: &mut [[u32
     }
 }
 
-/// Of a 1 × 1 layer: pass by pass of as many outputs, input by input.
+/// Of inputs of a pixel itself: pass by pass of as many outputs, input by input.
 fn pack_pixels(layer: Layer, weights: &[i8], pass: usize, to: &mut [[u32; OUTPUTS / 2]]) {
     let mut to = to.iter_mut();
     for first in (0..layer.outputs).step_by(pass) {
@@ -99,15 +126,31 @@ pub(super) struct Packed<'a> {
     words: &'a [u32],
     biases: &'a [i16],
     inputs: usize,
-    /// Whether it takes what is seen.
-    is_first: bool,
 }
 
-impl Packed<'_> {
+/// Words of a 3 × 3 layer's weights over light.
+const NEAR: usize = 9 * LIGHTS * OUTPUTS / 2;
+
+impl<'a> Packed<'a> {
+    /// A row of what is seen, of the first layer.
+    pub fn row<'r>(&self, row: &'r mut [u8]) -> Row<'r>
+    where
+        'a: 'r,
+    {
+        let words = self.words.split_at_checked(NEAR);
+        let words = words.and_then(|(_, own)| own.as_chunks().0.first_chunk());
+        Row {
+            // Whole ones, and words where they are: the cast cannot fail.
+            places: <[Seen]>::mut_from_bytes(row).unwrap_or(&mut []).iter_mut(),
+            words: words.unwrap_or(&[[0; OUTPUTS / 2]; OWN]),
+            still: [0; OUTPUTS / 2],
+        }
+    }
+
     /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
     pub fn convolve(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
         let (words, _) = self.words.as_chunks();
-        if self.is_first {
+        if self.inputs == LIGHTS {
             convolve_seen(rows, width, words, self.biases, out);
         } else {
             convolve(rows, [width, self.inputs], words, self.biases, out);

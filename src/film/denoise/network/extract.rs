@@ -1,5 +1,5 @@
 use super::input::see;
-use super::{CHANNELS, HEAD, Input, LEVELS, Network, Packed, Scratch, Seen, Shape, exposure, seen};
+use super::{CHANNELS, HEAD, Input, LEVELS, Network, Packed, Row, SEEN, Scratch, Shape, exposure};
 use crate::film::Feature;
 use crate::film::denoise::Pair;
 use zerocopy::{FromBytes, IntoBytes};
@@ -7,11 +7,12 @@ use zerocopy::{FromBytes, IntoBytes};
 impl Network<'_> {
     /// The heads of all sizes, from what `input` says of pixel number i.
     pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
-        self.extract_by(pair, |first, row| {
+        let width = self.shape[0].width;
+        self.extract_by(pair, |first, mut row| {
             let mut before = None;
-            for (at, place) in (first..).zip(row) {
+            for at in first..first + width {
                 let [bright, still @ ..] = input(at).words();
-                *place = seen(bright, still, before != Some(still));
+                row.push(bright, still, before != Some(still));
                 before = Some(still);
             }
         });
@@ -25,14 +26,15 @@ impl Network<'_> {
         samples: impl Fn(usize) -> u32 + Sync,
     ) {
         let exposure = exposure(frame);
+        let width = self.shape[0].width;
         self.extract_by(pair, |first, row| {
             let frame = frame.get(first..).unwrap_or(&[]);
-            see(frame, |x| samples(first + x), exposure, row);
+            see(frame, |x| samples(first + x), exposure, width, row);
         });
     }
 
     /// From what `input` makes of a row from pixel number i on.
-    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, &mut [Seen]) + Sync) {
+    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, Row) + Sync) {
         let Network {
             weights,
             shape,
@@ -50,14 +52,11 @@ impl Network<'_> {
         // Down: what is seen, then the largest activation of each 2 × 2, convolved.
         let (packed, _) = weights.pack(0, words);
         let width = shape[0].width;
-        let see = |y: usize, _: &[u8], row: &mut [u8]| {
-            // Whole ones, and words where they are: the cast cannot fail.
-            input(y * width, <[Seen]>::mut_from_bytes(row).unwrap_or(&mut []));
-        };
+        let see = |y: usize, _: &[u8], row: &mut [u8]| input(y * width, packed.row(row));
         let layer = Convolution {
             packed,
             shape: shape[0],
-            inputs: size_of::<Seen>(),
+            inputs: SEEN,
             outputs: CHANNELS[0],
         };
         // The finest activations stand where their row's heads will.

@@ -1,4 +1,4 @@
-use super::{Seen, seen};
+use super::Row;
 use crate::color::Rgb9e5;
 use crate::film::Feature;
 use crate::film::denoise::weight::luma_code;
@@ -8,6 +8,10 @@ use crate::num::leading_zeros;
 
 /// Numbers that the network sees of a pixel.
 pub const INPUTS: usize = 11;
+/// The first of them: its light, which is seen of its neighbours, too.
+pub const LIGHTS: usize = 3;
+/// The others, which are seen of the pixel alone.
+pub(super) const OWN: usize = INPUTS - LIGHTS;
 
 /// What the network sees of a pixel, 6 bits each: the logarithm of its irradiance, albedo, normal, depth, samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,20 +39,25 @@ impl Input {
         self.0
     }
 
-    /// As [`seen`] takes it.
+    /// As [`Row::push`] takes it.
     pub(super) fn words(self) -> [u32; 3] {
         let [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s] = self.0;
         [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, 0]].map(u32::from_le_bytes)
     }
 }
 
-/// A row of [`Input`]s, of the `frame` from its first pixel on, and of no samples where there is none; `samples` are in the mean
-/// of the row's pixel number i.
-pub(super) fn see(frame: &[Feature], samples: impl Fn(usize) -> u32, exposure: i32, row: &mut [Seen]) {
-    let (row, rest) = row.split_at_mut(row.len().min(frame.len()));
+/// A row of [`Input`]s, `width` of them, of the `frame` from its first pixel on, and of no samples where there is none; `samples`
+/// are in the mean of the row's pixel number i.
+pub(super) fn see(
+    frame: &[Feature],
+    samples: impl Fn(usize) -> u32,
+    exposure: i32,
+    width: usize,
+    mut row: Row,
+) {
     let mut before: Option<(&Feature, u32)> = None;
     let mut still = [0; 2];
-    for (x, (pixel, place)) in frame.iter().zip(row).enumerate() {
+    for (x, pixel) in frame.iter().take(width).enumerate() {
         let samples = samples(x);
         // Pixels side by side often look the same way, and are of one thing.
         let turned = before.is_none_or(|(other, _)| other.normal != pixel.normal);
@@ -63,11 +72,13 @@ pub(super) fn see(frame: &[Feature], samples: impl Fn(usize) -> u32, exposure: i
                 (still[1] & 0xffff) | counted(samples) << 16,
             ];
         }
-        *place = seen(bright(pixel, exposure), still, differs);
+        row.push(bright(pixel, exposure), still, differs);
         before = Some((pixel, samples));
     }
     let [bright, still @ ..] = Input::new(&Feature::default(), 0, exposure).words();
-    rest.fill(seen(bright, still, true));
+    for _ in frame.len()..width {
+        row.push(bright, still, true);
+    }
 }
 
 /// Bytes: the logarithm of irradiance, depth. A sky is one, wherever it is seen.

@@ -1,3 +1,4 @@
+use super::input::LIGHTS;
 use super::{CHANNELS, HEAD, INPUTS, LEVELS};
 
 /// Weights of all layers together.
@@ -5,7 +6,7 @@ pub const WEIGHTS: usize = {
     let mut sum = 0;
     let mut i = 0;
     while i < LAYERS.len() {
-        sum += LAYERS[i].taps * LAYERS[i].inputs * LAYERS[i].outputs;
+        sum += LAYERS[i].weights();
         i += 1;
     }
     sum
@@ -27,15 +28,26 @@ pub const BIASES: usize = {
 pub struct Layer {
     /// 9 (3 × 3) or 1.
     pub taps: usize,
+    /// At each tap.
     pub inputs: usize,
+    /// Further inputs, of the pixel itself alone.
+    pub own: usize,
     /// Even.
     pub outputs: usize,
+}
+
+impl Layer {
+    /// How many weights it has.
+    pub const fn weights(&self) -> usize {
+        (self.taps * self.inputs + self.own) * self.outputs
+    }
 }
 
 const fn layer(taps: usize, inputs: usize, outputs: usize) -> Layer {
     Layer {
         taps,
         inputs,
+        own: 0,
         outputs,
     }
 }
@@ -47,7 +59,11 @@ pub const LAYERS: [Layer; 15] = layers(CHANNELS);
 /// The layers of a network of `c` channels at each size.
 pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
     [
-        layer(9, INPUTS, c[0]),
+        // What is seen changes where things end, and that the coarser sizes tell; light alone is noise.
+        Layer {
+            own: INPUTS - LIGHTS,
+            ..layer(9, LIGHTS, c[0])
+        },
         layer(9, c[0], c[1]),
         layer(9, c[1], c[2]),
         layer(9, c[2], c[3]),
@@ -68,7 +84,7 @@ pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
 /// What the network learned, checked.
 ///
 /// Weights are 64ths, layer by layer; in a layer tap by tap (rows from the top, each from the left), in a tap input by
-/// input (of a merge: the coarse ones first), in an input output by output. Biases are 1024ths, layer by layer.
+/// input (of a merge: the coarse ones first), in an input output by output; a pixel's own inputs follow. Biases are 1024ths, layer by layer.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a> {
     weights: &'a [i8; WEIGHTS],
@@ -99,23 +115,20 @@ impl<'a> Weights<'a> {
         let mut from = 0;
         let mut number = 0;
         while number < LAYERS.len() {
-            let Layer {
-                taps,
-                inputs,
-                outputs,
-            } = LAYERS[number];
+            let outputs = LAYERS[number].outputs;
+            let count = LAYERS[number].weights();
             let mut output = 0;
             while output < outputs {
                 let (mut above, mut below) = (0, 0);
                 let mut i = 0;
-                while i < taps * inputs {
-                    let w = weights[from + i * outputs + output] as i32;
+                while i < count {
+                    let w = weights[from + i + output] as i32;
                     if w > 0 {
                         above += w;
                     } else {
                         below -= w;
                     }
-                    i += 1;
+                    i += outputs;
                 }
                 if above > MOST || below > MOST {
                     return Err(WeightsError {
@@ -125,7 +138,7 @@ impl<'a> Weights<'a> {
                 }
                 output += 1;
             }
-            from += taps * inputs * outputs;
+            from += count;
             number += 1;
         }
         Ok(Weights { weights, biases })
@@ -139,13 +152,12 @@ impl<'a> Weights<'a> {
     /// Layer `number`, with its weights and biases.
     pub(super) fn layer(&self, number: usize) -> (Layer, &'a [i8], &'a [i16]) {
         let layer = LAYERS[number];
-        let count = |layer: &Layer| layer.taps * layer.inputs * layer.outputs;
         let before = LAYERS.iter().take(number);
-        let from: usize = before.clone().map(count).sum();
+        let from: usize = before.clone().map(Layer::weights).sum();
         let biases: usize = before.map(|layer| layer.outputs).sum();
         (
             layer,
-            &self.weights[from..][..count(&layer)],
+            &self.weights[from..][..layer.weights()],
             &self.biases[biases..][..layer.outputs],
         )
     }

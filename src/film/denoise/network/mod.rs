@@ -38,16 +38,16 @@ mod packed;
 mod plain;
 mod weights;
 
-pub use input::{INPUTS, Input, exposure, irradiance};
+pub use input::{INPUTS, Input, LIGHTS, exposure, irradiance};
 pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError, layers};
 pub use mean::EXP;
 pub use neural::Neural;
 pub use weights::{CHECKSUM, TRAINED};
 
 #[cfg(columns)]
-use columns::{Packed, Seen, seen};
+use columns::{Packed, Row, SEEN};
 #[cfg(not(columns))]
-use packed::{Packed, Seen, seen};
+use packed::{Packed, Row, SEEN};
 
 use super::Pair;
 
@@ -185,7 +185,7 @@ impl Shape {
 
     /// Bytes of four rows that a worker's convolution looks at and one that it writes, whichever is the most of all sizes.
     const fn ring(width: usize) -> usize {
-        let mut most = (4 * size_of::<Seen>() + CHANNELS[0]) * width;
+        let mut most = (4 * SEEN + CHANNELS[0]) * width;
         let mut level = 1;
         while level < LEVELS {
             most = max(most, 5 * CHANNELS[level] * Shape::of(width, 1, level).width);

@@ -1,15 +1,27 @@
-use super::layer::{Layer, Weights, word};
-use super::{HEAD, INPUTS};
+use super::input::OWN;
+use super::layer::{Weights, word};
+use super::{CHANNELS, HEAD, INPUTS, LIGHTS};
 
-/// What the first layer takes of a pixel.
-pub type Seen = [u8; INPUTS];
+/// Bytes of what the first layer takes of a pixel.
+pub const SEEN: usize = INPUTS;
 
-/// Of the words that an [`Input`](super::Input) is made of.
-#[inline(always)]
-pub fn seen(bright: u32, still: [u32; 2], _: bool) -> Seen {
-    let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] =
-        [bright, still[0], still[1]].map(u32::to_le_bytes);
-    [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s]
+/// A row of what is seen, to be filled: light of all pixels, then what else there is of each.
+pub struct Row<'r> {
+    lights: core::slice::IterMut<'r, [u8; LIGHTS]>,
+    own: core::slice::IterMut<'r, [u8; OWN]>,
+}
+
+impl Row<'_> {
+    /// The next pixel's, of the words that an [`Input`](super::Input) is made of.
+    #[inline(always)]
+    pub fn push(&mut self, bright: u32, still: [u32; 2], _: bool) {
+        let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] =
+            [bright, still[0], still[1]].map(u32::to_le_bytes);
+        if let (Some(light), Some(own)) = (self.lights.next(), self.own.next()) {
+            *light = [i0, i1, i2];
+            *own = [a0, a1, a2, n0, n1, n2, depth, s];
+        }
+    }
 }
 
 impl Weights<'_> {
@@ -18,21 +30,14 @@ impl Weights<'_> {
     where
         Self: 'w,
     {
-        let (
-            Layer {
-                taps,
-                inputs,
-                outputs,
-            },
-            weights,
-            biases,
-        ) = self.layer(number);
-        let (front, rest) = words.split_at_mut(taps * inputs * outputs / 2);
+        let (layer, weights, biases) = self.layer(number);
+        let (front, rest) = words.split_at_mut(weights.len() / 2);
         let (weights, _) = weights.as_chunks::<2>();
-        let by = pairs(outputs);
-        for (pass, words) in front.chunks_exact_mut(taps * inputs * by).enumerate() {
+        let by = pairs(layer.outputs);
+        let products = layer.weights() / layer.outputs;
+        for (pass, words) in front.chunks_exact_mut(products * by).enumerate() {
             let words = words.chunks_exact_mut(by);
-            for (words, pairs) in words.zip(weights.chunks_exact(outputs / 2)) {
+            for (words, pairs) in words.zip(weights.chunks_exact(layer.outputs / 2)) {
                 for (place, pair) in words.iter_mut().zip(&pairs[pass * by..]) {
                     *place = word(*pair);
                 }
@@ -41,8 +46,9 @@ impl Weights<'_> {
         let packed = Packed {
             words: front,
             biases,
-            taps,
-            inputs,
+            products,
+            inputs: layer.inputs,
+            is_first: number == 0,
         };
         (packed, rest)
     }
@@ -63,13 +69,28 @@ pub(super) struct Packed<'a> {
     /// Pass by pass; in a pass as the weights lie in their table.
     words: &'a [u32],
     biases: &'a [i16],
-    taps: usize,
+    /// Of an output.
+    products: usize,
     inputs: usize,
+    /// Whether it takes what is seen.
+    is_first: bool,
 }
 
 impl Packed<'_> {
+    /// A row of what is seen.
+    pub fn row<'r>(&self, row: &'r mut [u8]) -> Row<'r> {
+        let (lights, own) = row.split_at_mut(row.len() / SEEN * LIGHTS);
+        Row {
+            lights: lights.as_chunks_mut().0.iter_mut(),
+            own: own.as_chunks_mut().0.iter_mut(),
+        }
+    }
+
     /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
     pub fn convolve(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
+        if self.is_first {
+            return self.convolve_seen(rows, width, out);
+        }
         match pairs(self.biases.len()) {
             2 => self.convolve_by::<2>(rows, width, out),
             3 => self.convolve_by::<3>(rows, width, out),
@@ -89,6 +110,29 @@ impl Packed<'_> {
         if width > 2 {
             let runs = rows.map(|row| (row, 3 * inputs, inputs));
             self.pixels::<PAIRS, 3>(runs, &mut out[outputs..(width - 1) * outputs]);
+        }
+    }
+
+    /// 3 × 3 over light and 1 × 1 over what else is seen.
+    fn convolve_seen(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
+        const PAIRS: usize = pairs(CHANNELS[0]);
+        let (_, own) = rows[1].split_at(LIGHTS * width);
+        let rows = rows.map(|row| &row[..LIGHTS * width]);
+        let mut edge = |x: usize| {
+            let columns = [x.saturating_sub(1), x, (x + 1).min(width - 1)];
+            let run = |i: usize| match rows.get(i / 3) {
+                Some(row) => (&row[columns[i % 3] * LIGHTS..][..LIGHTS], LIGHTS, 0),
+                None => (&own[x * OWN..][..OWN], OWN, 0),
+            };
+            let out = &mut out[x * CHANNELS[0]..][..CHANNELS[0]];
+            self.pixels::<PAIRS, 10>(core::array::from_fn(run), out);
+        };
+        edge(0);
+        edge(width - 1);
+        if width > 2 {
+            let [above, at, below] = rows.map(|row| (row, 3 * LIGHTS, LIGHTS));
+            let runs = [above, at, below, (&own[OWN..], OWN, OWN)];
+            self.pixels::<PAIRS, 4>(runs, &mut out[CHANNELS[0]..(width - 1) * CHANNELS[0]]);
         }
     }
 
@@ -118,7 +162,7 @@ impl Packed<'_> {
     fn pixels<const PAIRS: usize, const RUNS: usize>(&self, runs: [Run; RUNS], out: &mut [u8]) {
         let (words, _) = self.words.as_chunks::<PAIRS>();
         let biases = self.biases.chunks_exact(2 * PAIRS);
-        let passes = words.chunks_exact(self.taps * self.inputs);
+        let passes = words.chunks_exact(self.products);
         for (pass, (biases, words)) in biases.zip(passes).enumerate() {
             let out = out.get_mut(pass * 2 * PAIRS..).unwrap_or(&mut []);
             activations(runs, words, biases, out, self.biases.len());
