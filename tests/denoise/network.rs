@@ -3,8 +3,8 @@
 use microlux::color::Rgb9e5;
 use microlux::film::Feature;
 use microlux::film::denoise::network::{
-    BIASES, CHANNELS, CHECKSUM, FEATURES, HEAD, INPUTS, Input, LAYERS, LEVELS, Layer, MAX_SIDE, Needs, Network,
-    NetworkError, Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
+    BIASES, CHANNELS, CHECKSUM, FEATURES, HEAD, INPUTS, Input, LAYERS, LEVELS, Layer, MAX_SIDE, Needs,
+    Network, NetworkError, Neural, Scratch, TRAINED, WEIGHTS, Weights, WeightsError, exposure, irradiance,
 };
 use microlux::film::denoise::{self, Alone, Filter, Pair, Size};
 use microlux::film::feature::{DEPTH_NOTHING, ID_NOTHING, first_id};

@@ -472,7 +472,13 @@ fn see(params: &Params, light: &Planes, own: &Planes, mode: Mode) -> (Planes, Ve
     let (of_light, of_own) = weights.split_at(weights.len() - own.channels * outputs);
     let mut out = mix(own, of_own, bias, outputs);
     let mut more = Planes::like(&out);
-    correlate_any(&Padded::of(light, 1, true), light.channels, of_light, &[], &mut more);
+    correlate_any(
+        &Padded::of(light, 1, true),
+        light.channels,
+        of_light,
+        &[],
+        &mut more,
+    );
     add(&mut out, &more);
     let within = activate(&mut out, mode);
     (out, within)

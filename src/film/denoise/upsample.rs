@@ -1,14 +1,13 @@
 use super::Size;
 use super::outline::{MIDDLE, Seen};
-use super::weight::{Channels, FALL, FAR, Mean, Turns, shines};
+use super::weight::{Channels, FALL, FAR, Mean, Turns, shines, words};
 use crate::color::{Radiance, Rgb9e5};
 use crate::film::Feature;
 use crate::geom::Octahedral;
 #[cfg(upsamples)]
 use crate::num::RECIPS;
 #[cfg(upsamples)]
-use zerocopy::transmute_mut;
-use zerocopy::transmute_ref;
+use zerocopy::{transmute_mut, transmute_ref};
 
 #[cfg(upsamples)]
 const _: () = assert!(MIDDLE == microlux_asm::MIDDLE);
@@ -316,13 +315,6 @@ fn alike(
             }
         }
     }
-}
-
-/// Words of albedo and distance, and of normal and number, as they lie in memory.
-#[inline(always)]
-fn words(pixel: &Feature) -> [u32; 2] {
-    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(pixel);
-    [seen, looks]
 }
 
 /// Eighths of a half-life; from [`LEAST`] on, as many at least.

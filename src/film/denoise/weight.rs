@@ -3,6 +3,7 @@
 use super::super::Feature;
 use crate::color::{Albedo, Radiance, Rgb9e5};
 use crate::num::{leading_zeros, recip};
+use zerocopy::transmute_ref;
 
 /// 64 · 2^(−i/8), to nearest, from 64 (i = 0) to 1 (48); nothing from 56 on.
 pub(super) static FALL: [u8; 64] = [
@@ -103,6 +104,13 @@ pub(super) fn luma_code(light: Rgb9e5) -> u8 {
     let octave = 31 - zeros as i32 + exponent - 8 + 15;
     // raw: octaves are under 31.
     (1 + 8 * octave + eighth as i32).max(1) as u8
+}
+
+/// Words of albedo and distance, and of normal and number, as they lie in memory.
+#[inline(always)]
+pub(super) fn words(pixel: &Feature) -> [u32; 2] {
+    let &[_, seen, looks]: &[u32; 3] = transmute_ref!(pixel);
+    [seen, looks]
 }
 
 /// A weighted mean of lights, its sum in 32 bits.

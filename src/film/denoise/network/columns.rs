@@ -12,28 +12,29 @@ type Seen = [u32; 1 + OUTPUTS / 2];
 pub const SEEN: usize = size_of::<Seen>();
 
 /// A row of what is seen, to be filled.
+#[derive(Debug)]
 pub struct Row<'r> {
-    places: core::slice::IterMut<'r, Seen>,
+    places: &'r mut [Seen],
     words: &'r [[u32; OUTPUTS / 2]; OWN],
-    /// Sums of what pixels side by side often have alike.
-    still: [u32; OUTPUTS / 2],
 }
 
 impl Row<'_> {
-    /// The next pixel's, of the words that an [`Input`](super::Input) is made of, and where it differs from the pixel before it in
-    /// the last two, as the row's first does.
+    /// Of the words that an [`Input`](super::Input) is made of, by number of pixel: the first, and the others where they differ
+    /// from those of the pixel before.
     #[inline(always)]
-    pub fn push(&mut self, bright: u32, still: [u32; 2], differs: bool) {
-        if differs {
-            self.still = sums(self.words, still);
-        }
-        if let Some(place) = self.places.next() {
-            let [a, b] = self.words[DEPTH];
+    pub fn fill(self, mut look: impl FnMut(usize) -> (u32, Option<[u32; 2]>)) {
+        let mut alike = [0; OUTPUTS / 2];
+        for (x, place) in self.places.iter_mut().enumerate() {
+            let (bright, still) = look(x);
+            if let Some(still) = still {
+                alike = sums(self.words, still);
+            }
+            let ([first, second], [a, b]) = (alike, self.words[DEPTH]);
             let depth = bright >> 24;
             *place = [
                 bright & 0xff_ffff,
-                self.still[0].wrapping_add(a.wrapping_mul(depth)),
-                self.still[1].wrapping_add(b.wrapping_mul(depth)),
+                first.wrapping_add(a.wrapping_mul(depth)),
+                second.wrapping_add(b.wrapping_mul(depth)),
             ];
         }
     }
@@ -141,9 +142,8 @@ impl<'a> Packed<'a> {
         let words = words.and_then(|(_, own)| own.as_chunks().0.first_chunk());
         Row {
             // Whole ones, and words where they are: the cast cannot fail.
-            places: <[Seen]>::mut_from_bytes(row).unwrap_or(&mut []).iter_mut(),
+            places: <[Seen]>::mut_from_bytes(row).unwrap_or(&mut []),
             words: words.unwrap_or(&[[0; OUTPUTS / 2]; OWN]),
-            still: [0; OUTPUTS / 2],
         }
     }
 

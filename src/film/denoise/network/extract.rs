@@ -7,14 +7,14 @@ use zerocopy::{FromBytes, IntoBytes};
 impl Network<'_> {
     /// The heads of all sizes, from what `input` says of pixel number i.
     pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
-        let width = self.shape[0].width;
-        self.extract_by(pair, |first, mut row| {
+        self.extract_by(pair, |first, row| {
             let mut before = None;
-            for at in first..first + width {
-                let [bright, still @ ..] = input(at).words();
-                row.push(bright, still, before != Some(still));
+            row.fill(|x| {
+                let [bright, still @ ..] = input(first + x).words();
+                let differs = before != Some(still);
                 before = Some(still);
-            }
+                (bright, differs.then_some(still))
+            });
         });
     }
 
@@ -26,10 +26,9 @@ impl Network<'_> {
         samples: impl Fn(usize) -> u32 + Sync,
     ) {
         let exposure = exposure(frame);
-        let width = self.shape[0].width;
         self.extract_by(pair, |first, row| {
             let frame = frame.get(first..).unwrap_or(&[]);
-            see(frame, |x| samples(first + x), exposure, width, row);
+            see(frame, |x| samples(first + x), exposure, row);
         });
     }
 

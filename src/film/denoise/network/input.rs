@@ -1,7 +1,7 @@
 use super::Row;
 use crate::color::Rgb9e5;
 use crate::film::Feature;
-use crate::film::denoise::weight::luma_code;
+use crate::film::denoise::weight::{luma_code, words};
 use crate::film::feature::DEPTH_NOTHING;
 use crate::geom::Octahedral;
 use crate::num::leading_zeros;
@@ -20,14 +20,10 @@ pub struct Input(pub(super) [u8; INPUTS]);
 impl Input {
     /// Of a pixel's feature, how many samples are in its mean (0 counts as 1), and the frame's [`exposure`].
     pub fn new(feature: &Feature, samples: u32, exposure: i32) -> Input {
-        let [x, y, z] = direction(feature.normal).map(u32::from);
-        let words = [
-            bright(feature, exposure.clamp(-8, 8)),
-            matt(feature) | x << 24,
-            y | z << 8 | counted(samples) << 16,
-        ];
-        let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] = words.map(u32::to_le_bytes);
-        Input([i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s])
+        let [i0, i1, i2, depth] = bright(feature, exposure.clamp(-8, 8)).to_le_bytes();
+        let [a0, a1, a2] = feature.albedo.map(|a| a >> 2);
+        let [n0, n1, n2, _] = direction(feature.normal);
+        Input([i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, counted(samples) as u8])
     }
 
     /// Of the numbers themselves; those over 63 count as 63.
@@ -39,46 +35,39 @@ impl Input {
         self.0
     }
 
-    /// As [`Row::push`] takes it.
+    /// As [`Row::fill`] takes it.
     pub(super) fn words(self) -> [u32; 3] {
         let [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s] = self.0;
         [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, 0]].map(u32::from_le_bytes)
     }
 }
 
-/// A row of [`Input`]s, `width` of them, of the `frame` from its first pixel on, and of no samples where there is none; `samples`
-/// are in the mean of the row's pixel number i.
-pub(super) fn see(
-    frame: &[Feature],
-    samples: impl Fn(usize) -> u32,
-    exposure: i32,
-    width: usize,
-    mut row: Row,
-) {
-    let mut before: Option<(&Feature, u32)> = None;
-    let mut still = [0; 2];
-    for (x, pixel) in frame.iter().take(width).enumerate() {
-        let samples = samples(x);
+/// A row of [`Input`]s of the `frame` from its first pixel on, and of no samples where there is none; `samples` are in the mean
+/// of the row's pixel number i.
+pub(super) fn see(frame: &[Feature], samples: impl Fn(usize) -> u32, exposure: i32, row: Row) {
+    // Of no pixel.
+    let mut before = [u32::MAX; 3];
+    let mut facing = 0;
+    row.fill(|x| {
+        let Some(pixel) = frame.get(x) else {
+            let [bright, still @ ..] = Input::new(&Feature::default(), 0, exposure).words();
+            return (bright, Some(still));
+        };
         // Pixels side by side often look the same way, and are of one thing.
-        let turned = before.is_none_or(|(other, _)| other.normal != pixel.normal);
-        let differs = turned || before.is_none_or(|(other, n)| n != samples || matt(other) != matt(pixel));
-        if differs {
-            if turned {
-                let [x, y, z] = direction(pixel.normal).map(u32::from);
-                still = [x << 24, y | z << 8];
-            }
-            still = [
-                (still[0] & 0xff << 24) | matt(pixel),
-                (still[1] & 0xffff) | counted(samples) << 16,
-            ];
+        let [albedo, normal] = words(pixel).map(u32::from_le);
+        let own = [albedo & 0xfc_fcfc, normal & 0xffff, samples(x)];
+        let [matt, turned, counts] = core::array::from_fn(|i| own[i] ^ before[i]);
+        before = own;
+        let bright = bright(pixel, exposure);
+        if matt | turned | counts == 0 {
+            return (bright, None);
         }
-        row.push(bright(pixel, exposure), still, differs);
-        before = Some((pixel, samples));
-    }
-    let [bright, still @ ..] = Input::new(&Feature::default(), 0, exposure).words();
-    for _ in frame.len()..width {
-        row.push(bright, still, true);
-    }
+        if turned != 0 {
+            facing = u32::from_le_bytes(direction(pixel.normal));
+        }
+        let still = [own[0] >> 2 | facing << 24, facing >> 8 | counted(own[2]) << 16];
+        (bright, Some(still))
+    });
 }
 
 /// Bytes: the logarithm of irradiance, depth. A sky is one, wherever it is seen.
@@ -89,7 +78,13 @@ fn bright(feature: &Feature, exposure: i32) -> u32 {
     } else {
         feature.depth
     };
-    logarithms(feature.irradiance, exposure) | u32::from(depth >> 2) << 24
+    let light = feature.irradiance;
+    let logarithms = if light.0 << 5 == 0 {
+        0
+    } else {
+        logarithms(light, exposure)
+    };
+    logarithms | u32::from(depth >> 2) << 24
 }
 
 /// Bytes: the logarithm of irradiance. A core of few registers has them for it.
@@ -101,23 +96,17 @@ fn logarithms(irradiance: Rgb9e5, exposure: i32) -> u32 {
     r | g << 8 | b << 16
 }
 
-/// Bytes: albedo.
-#[inline(always)]
-fn matt(feature: &Feature) -> u32 {
-    let [r, g, b] = feature.albedo;
-    u32::from_le_bytes([r, g, b, feature.depth]) >> 2 & 0x3f_3f3f
-}
-
 /// The logarithm of how many samples there are.
 fn counted(samples: u32) -> u32 {
     logarithm(samples.max(1), 0).min(63)
 }
 
-/// [−1, 1] onto 0 ..= 63, rounded.
+/// [−1, 1] onto 0 ..= 63, rounded; and 0.
 #[inline(never)]
-fn direction(normal: Octahedral) -> [u8; 3] {
+fn direction(normal: Octahedral) -> [u8; 4] {
     let parts = normal.decode().0;
-    parts.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8)
+    let [x, y, z] = parts.map(|c| ((c.clamp(-(1 << 16), 1 << 16) * 63 + (64 << 16)) >> 17) as u8);
+    [x, y, z, 0]
 }
 
 /// A pixel's irradiance as the filter takes it: Q12, at most 16.
@@ -133,7 +122,7 @@ pub fn exposure(frame: &[Feature]) -> i32 {
     for pixels in frame.chunks(1 << 16) {
         let (mut part, mut lit) = (0u32, 0u32);
         for pixel in pixels.iter().filter(|pixel| !pixel.shows_nothing()) {
-            let code = luma_code(pixel.irradiance);
+            let code = luminance(pixel.irradiance);
             part += u32::from(code);
             lit += u32::from(code > 0);
         }
@@ -145,6 +134,13 @@ pub fn exposure(frame: &[Feature]) -> i32 {
         Some(mean) => ((15 * 8 + 5 - mean as i32) >> 3).clamp(-8, 8),
         None => 0,
     }
+}
+
+/// [`luma_code`]. A core of few registers has them for it.
+#[cfg_attr(narrow_mul, inline(never))]
+#[cfg_attr(not(narrow_mul), inline(always))]
+fn luminance(light: Rgb9e5) -> u8 {
+    luma_code(light)
 }
 
 /// `exposure` octaves brighter, of −8 ..= 8, Q12, at most 16.

@@ -6,20 +6,25 @@ use super::{CHANNELS, HEAD, INPUTS, LIGHTS};
 pub const SEEN: usize = INPUTS;
 
 /// A row of what is seen, to be filled: light of all pixels, then what else there is of each.
+#[derive(Debug)]
 pub struct Row<'r> {
-    lights: core::slice::IterMut<'r, [u8; LIGHTS]>,
-    own: core::slice::IterMut<'r, [u8; OWN]>,
+    lights: &'r mut [[u8; LIGHTS]],
+    own: &'r mut [[u8; OWN]],
 }
 
 impl Row<'_> {
-    /// The next pixel's, of the words that an [`Input`](super::Input) is made of.
+    /// Of the words that an [`Input`](super::Input) is made of, by number of pixel: the first, and the others where they differ
+    /// from those of the pixel before.
     #[inline(always)]
-    pub fn push(&mut self, bright: u32, still: [u32; 2], _: bool) {
-        let [[i0, i1, i2, depth], [a0, a1, a2, n0], [n1, n2, s, _]] =
-            [bright, still[0], still[1]].map(u32::to_le_bytes);
-        if let (Some(light), Some(own)) = (self.lights.next(), self.own.next()) {
+    pub fn fill(self, mut look: impl FnMut(usize) -> (u32, Option<[u32; 2]>)) {
+        let mut own = [0; 2];
+        for (x, (light, place)) in self.lights.iter_mut().zip(self.own).enumerate() {
+            let (bright, still) = look(x);
+            own = still.unwrap_or(own);
+            let [i0, i1, i2, depth] = bright.to_le_bytes();
+            let [[a0, a1, a2, n0], [n1, n2, s, _]] = own.map(u32::to_le_bytes);
             *light = [i0, i1, i2];
-            *own = [a0, a1, a2, n0, n1, n2, depth, s];
+            *place = [a0, a1, a2, n0, n1, n2, depth, s];
         }
     }
 }
@@ -81,8 +86,8 @@ impl Packed<'_> {
     pub fn row<'r>(&self, row: &'r mut [u8]) -> Row<'r> {
         let (lights, own) = row.split_at_mut(row.len() / SEEN * LIGHTS);
         Row {
-            lights: lights.as_chunks_mut().0.iter_mut(),
-            own: own.as_chunks_mut().0.iter_mut(),
+            lights: lights.as_chunks_mut().0,
+            own: own.as_chunks_mut().0,
         }
     }
 
