@@ -2,7 +2,7 @@
 
 use microlux::film::denoise::Alone;
 use microlux::film::denoise::network::{
-    BIASES, HEAD, INPUTS, Input, LAYERS, Needs, Network, Scratch, TRAINED, WEIGHTS, Weights,
+    BIASES, HEAD, INPUTS, Input, LAYERS, LIGHTS, Needs, Network, Scratch, TRAINED, WEIGHTS, Weights,
 };
 use microlux::num::Crc;
 
@@ -37,7 +37,8 @@ pub(crate) fn run() -> u32 {
     crc.value()
 }
 
-/// A quarter of the inputs are 0, and half of the pixels have all but light and depth, and perhaps one, of the one before.
+/// A quarter of the inputs are 0, a quarter of the pixels are black, and half of them have all but light and depth, and perhaps
+/// one, of the one before.
 fn look(crc: &mut Crc, random: &mut Xorshift, weights: Weights, [width, height]: [usize; 2]) -> Option<()> {
     let mut inputs = [[0; INPUTS]; MOST];
     for at in 0..MOST {
@@ -51,12 +52,15 @@ fn look(crc: &mut Crc, random: &mut Xorshift, weights: Weights, [width, height]:
         });
         if at > 0 && random.u32() >> 31 == 0 {
             let [_, _, _, rest @ .., _, samples] = inputs[at - 1];
-            inputs[at][3..INPUTS - 2].copy_from_slice(&rest);
+            inputs[at][LIGHTS..INPUTS - 2].copy_from_slice(&rest);
             inputs[at][INPUTS - 1] = samples;
             // Often but for one.
             if let Some(input) = inputs[at].get_mut((random.u32() >> 8) as usize % (2 * INPUTS)) {
                 *input ^= 1;
             }
+        }
+        if random.u32() >> 30 == 0 {
+            inputs[at][..LIGHTS].fill(0);
         }
     }
     let lights = core::array::from_fn::<_, MOST, _>(|_| [(); 3].map(|()| (random.u32() >> 16) as u16));
