@@ -46,9 +46,9 @@ const DEPTH: usize = OWN - 2;
 /// Of all of them but for depth.
 #[inline(never)]
 fn sums(words: &[[u32; OUTPUTS / 2]; OWN], [mut first, mut second]: [u32; 2]) -> [u32; OUTPUTS / 2] {
-    let [albedo @ .., samples] = words;
+    let [others @ .., samples] = words;
     let mut sums = samples.map(|word| word.wrapping_mul(second >> 16));
-    for words in &albedo[..DEPTH] {
+    for words in &others[..DEPTH] {
         for (sum, word) in sums.iter_mut().zip(words) {
             *sum = sum.wrapping_add(word.wrapping_mul(first & 0xff));
         }
