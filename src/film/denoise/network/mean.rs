@@ -123,7 +123,7 @@ const REACH: i32 = {
 };
 
 /// The feature in which heads of two sizes differ most, of [`TRAINED`](super::TRAINED).
-const UNLIKE: usize = 3;
+const UNLIKE: usize = 1;
 
 /// Whether one feature alone says that two heads have no affinity; most of two sizes have none.
 #[inline(always)]
