@@ -30,11 +30,7 @@ const ONLY: &str = match option_env!("MICROLUX_ONLY") {
 #[entry]
 fn main() -> ! {
     region::count(region::EMPTY, || ());
-    let draws: [fn(); 3] = [
-        || cornell(0, Path::direct()),
-        knot,
-        || cornell(2, Path::new(5)),
-    ];
+    let draws: [fn(); 3] = [|| cornell(0, Path::direct()), knot, || cornell(2, Path::new(5))];
     for (name, draw) in COUNTED.iter().zip(draws) {
         if ONLY.is_empty() || ONLY == *name {
             draw();
