@@ -1,7 +1,7 @@
 //! The network's weights. Written by `trainer export`; not to be edited.
 //!
 //! 30000 steps (`trainer/log/train.txt`) over 448 scenes (CRC-32 of their files, in order of names: 0x22f058f4); trainer of
-//! commit 1fd920f86b42, 2026-11-30.
+//! commit c3cb7e98d71d, 2026-11-30.
 
 use super::layer::{BIASES, WEIGHTS, Weights};
 
