@@ -53,7 +53,6 @@ impl Weights<'_> {
             biases,
             products,
             inputs: layer.inputs,
-            is_first: number == 0,
         };
         (packed, rest)
     }
@@ -77,8 +76,6 @@ pub(super) struct Packed<'a> {
     /// Of an output.
     products: usize,
     inputs: usize,
-    /// Whether it takes what is seen.
-    is_first: bool,
 }
 
 impl Packed<'_> {
@@ -93,7 +90,7 @@ impl Packed<'_> {
 
     /// 3 × 3 over the rows above, at and below, activations out; the picture's edge goes on outwards.
     pub fn convolve(&self, rows: [&[u8]; 3], width: usize, out: &mut [u8]) {
-        if self.is_first {
+        if self.inputs == LIGHTS {
             return self.convolve_seen(rows, width, out);
         }
         match pairs(self.biases.len()) {
