@@ -59,7 +59,7 @@ pub const LAYERS: [Layer; 15] = layers(CHANNELS);
 /// The layers of a network of `c` channels at each size.
 pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
     [
-        // What is seen changes where things end, and that the coarser sizes tell; light alone is noise.
+        // But for light a pixel's neighbours differ from it only where things end, which the coarser sizes tell.
         Layer {
             own: INPUTS - LIGHTS,
             ..layer(9, LIGHTS, c[0])
@@ -84,7 +84,8 @@ pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
 /// What the network learned, checked.
 ///
 /// Weights are 64ths, layer by layer; in a layer tap by tap (rows from the top, each from the left), in a tap input by
-/// input (of a merge: the coarse ones first), in an input output by output; a pixel's own inputs follow. Biases are 1024ths, layer by layer.
+/// input (of a merge: the coarse ones first), in an input output by output; a pixel's own inputs follow. Biases are 1024ths, layer
+/// by layer.
 #[derive(Clone, Copy, Debug)]
 pub struct Weights<'a> {
     weights: &'a [i8; WEIGHTS],
