@@ -87,7 +87,7 @@ pub fn animation(
     let lent = core.lend();
     let scene = core.scene(&lent)?;
     let path = run::path(desc, options)?;
-    let frames = run::frames(options);
+    let frames = run::frames(options)?;
     let metre = f64::from(core.unit.fraction_bits()).exp2();
     let (width, height) = (frames.width, frames.height);
     let seen = guides(&scene, core.camera, width, height).features(width / 2, height / 2);

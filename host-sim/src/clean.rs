@@ -28,7 +28,7 @@ pub enum Denoise {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cleaning {
     pub denoise: Denoise,
-    /// How many pixels of the picture a rendered one is wide and high: 1 or 2.
+    /// How many pixels of the picture a rendered one is wide and high: 1, 2 or 3, of which both sides are multiples.
     pub upscale: u32,
     /// Whether each picture of a sequence is half of the one shown before, where that was: `microlux::film::denoise::Shown`.
     pub taa: bool,
@@ -52,7 +52,7 @@ impl Cleaning {
 
     /// The rendered picture's side for one that is seen.
     pub fn coarse(self, side: u32) -> u32 {
-        side.div_ceil(self.upscale.max(1))
+        side / self.upscale.max(1)
     }
 }
 
@@ -297,16 +297,13 @@ pub fn show(
     };
     let sampler = Independent::<PcgRxsMXs32>::new(0);
     let guides = Renderer::new(scene, camera, Path::new(1), sampler, settings);
-    let is_large = cleaning.upscale == 2;
     if cleaning.denoise == Denoise::Off {
         let row = |y: u16| {
             let mut guides = guides.clone();
-            let pixel = |x| {
-                if is_large {
-                    clean.pixel_2x(x, y, &guides.guide(x, y))
-                } else {
-                    clean.pixel(x, y)
-                }
+            let pixel = |x| match cleaning.upscale {
+                3 => clean.pixel_3x(x, y, &guides.guide(x, y)),
+                2 => clean.pixel_2x(x, y, &guides.guide(x, y)),
+                _ => clean.pixel(x, y),
             };
             (0..width).map(pixel).collect::<Vec<_>>()
         };
@@ -321,10 +318,10 @@ pub fn show(
             Some(before) => pixels.extend(row.steadied(y, before).map(Rgb9e5::decode)),
             None => pixels.extend(row.lights()),
         };
-        if is_large {
-            clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show);
-        } else {
-            clean.rows(rows, &mut ring, show);
+        match cleaning.upscale {
+            3 => clean.rows_3x(rows, &mut ring, |x, y| guides.guide(x, y), show),
+            2 => clean.rows_2x(rows, &mut ring, |x, y| guides.guide(x, y), show),
+            _ => clean.rows(rows, &mut ring, show),
         }
         pixels
     };

@@ -269,7 +269,7 @@ impl<'a> Job<'a> {
                     .into(),
             ));
         };
-        let frames = frames(self.options);
+        let frames = frames(self.options)?;
         let frame = || {
             clean::sequence(frames, |sequence| {
                 let rows = frames.rows();
@@ -439,13 +439,23 @@ pub(crate) fn path(desc: &SceneDesc, options: &Options) -> Result<Path, Error> {
     }
 }
 
-pub(crate) fn frames(options: &Options) -> Frames {
-    Frames {
-        width: options.width as u16,
-        height: options.height as u16,
+/// Refused where no whole number of rendered pixels is the picture: it would be a part of one that is seen a little wider.
+pub(crate) fn frames(options: &Options) -> Result<Frames, Error> {
+    let Options { width, height, .. } = *options;
+    let upscale = options.cleaning.upscale;
+    if !width.is_multiple_of(upscale) || !height.is_multiple_of(upscale) {
+        let [wide, high] = [width, height].map(|side| side.next_multiple_of(upscale));
+        return Err(Error::Scene(format!(
+            "--upscale {upscale} makes pictures whose width and height are multiples of {upscale}: {width} x {height} are not, \
+             --width {wide} --height {high} would be"
+        )));
+    }
+    Ok(Frames {
+        width: width as u16,
+        height: height as u16,
         spp: options.spp,
         cleaning: options.cleaning,
-    }
+    })
 }
 
 /// Segments that no path reaches: roulette ends it long before.

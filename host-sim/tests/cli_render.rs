@@ -345,10 +345,40 @@ fn a_denoised_picture_is_another_and_the_same_whoever_renders_it() {
     assert_eq!((&clean, &noisy, &neural), (&threads, &plain, &other));
     assert!(neural != noisy && neural != clean);
     assert!(clean != noisy && fine != clean && fine.len() == noisy.len());
+    // 16 are five times three, and one.
+    host_sim(&folder, "render", &["--denoise", "atrous", "--upscale", "3"])
+        .assert()
+        .code(1)
+        .stderr(contains("multiples of 3").and(contains("--width 18 --height 18")));
     host_sim(&folder, "render", &["--denoise", "atrous", "--integrator", "ao"])
         .assert()
         .code(1)
         .stderr(contains("only direct and path can be denoised"));
+}
+
+/// Even light is as bright with a quarter and a ninth of the pixels; each way is another picture.
+#[test]
+fn a_picture_of_fewer_pixels_is_as_bright() {
+    let folder = tempfile::tempdir().unwrap();
+    let mean = |scale: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        program.current_dir(&folder).args([
+            "render", "spheres", "--width", "18", "--height", "18", "--spp", "16", "-q", "-o", "a.png",
+        ]);
+        program
+            .args(["--denoise", "neural", "--upscale", scale])
+            .assert()
+            .success();
+        let bytes = png(&folder.path().join("a.png")).into_raw();
+        assert_eq!(bytes.len(), 3 * 18 * 18);
+        let sum: f64 = bytes.iter().map(|byte| f64::from(*byte)).sum();
+        (bytes, sum)
+    };
+    let [one, two, three] = ["1", "2", "3"].map(mean);
+    assert!(one.0 != two.0 && one.0 != three.0 && two.0 != three.0);
+    for (_, sum) in [two, three] {
+        assert!((sum / one.1 - 1.0).abs() < 0.03, "{sum} {}", one.1);
+    }
 }
 
 #[test]

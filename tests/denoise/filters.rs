@@ -2,8 +2,8 @@ use crate::{Backwards, Random, Shift, Threads, value, with_denoiser};
 use microlux::color::{Radiance, Rgb9e5};
 use microlux::film::Feature;
 use microlux::film::denoise::{
-    Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Seen, Size, TooShort,
-    Whole, accumulate, beside, upsample,
+    Alone, Atrous, Band, Before, Denoiser, Filter, Memory, Off, Pair, Past, Reproject, Row, Seen, Size,
+    TooShort, Whole, accumulate, beside, upsample, upsample_3x,
 };
 use microlux::film::feature::ID_NOTHING;
 use microlux::geom::Octahedral;
@@ -122,6 +122,8 @@ fn an_even_light_stays_as_it_is_in_every_filter() {
                     for (x, y) in [(0, 0), (13, 8), (45, 33), (12, 7)] {
                         let guide = pixels[random.below(SIZE.pixels() as u32) as usize];
                         let fine = upsample(SIZE, clean.frame, clean.light, [x, y], &guide);
+                        assert_eq!(fine, even.decode(), "{color:?} {exponent}");
+                        let fine = upsample_3x(SIZE, clean.frame, clean.light, [x, y], &guide);
                         assert_eq!(fine, even.decode(), "{color:?} {exponent}");
                     }
                 }
@@ -504,6 +506,15 @@ fn a_fine_pixel_has_the_light_of_its_own_thing() {
         assert_eq!(fine(23, &wall), wall.irradiance.decode());
         // Too far from any of its own.
         assert_eq!(fine(17, &nothing), wall.irradiance.decode());
+        let fine = |x: u16, guide: &Feature| upsample_3x(SIZE, &frame, &lights, [x, y], guide);
+        // Column 10 has 30 to 32: none of these is beside column 11, where both would count, but by way of the sixteen about it.
+        for x in [29, 30, 31] {
+            assert_eq!(fine(x, &nothing), Radiance::BLACK, "{x}");
+        }
+        for x in [31, 34, 35] {
+            assert_eq!(fine(x, &wall), wall.irradiance.decode(), "{x}");
+        }
+        assert_eq!(fine(27, &nothing), wall.irradiance.decode());
     }
 }
 
@@ -571,15 +582,18 @@ fn anything_at_all_goes_through() {
                     let [x, y] = [random.bits() as u16, random.bits() as u16];
                     clean.pixel_2x(x, y, &guide);
                     clean.pixel_2x(x % 24, y % 18, &guide);
+                    clean.pixel_3x(x, y, &guide);
+                    clean.pixel_3x(x % 36, y % 27, &guide);
                     clean.pixel(x, y);
                 }
                 let mut ring = vec![Seen::default(); random.below(50) as usize];
                 let [from, to] = [0; 2].map(|_| random.below(20) as u16);
                 clean.rows(from..to, &mut ring, |_, row| assert!(row.lights().count() < 17));
                 let guide = |_, _| hostile(&mut random);
-                clean.rows_2x(from..to, &mut ring, guide, |_, row| {
-                    assert!(row.lights().count() < 17)
-                });
+                let show = |_: u16, row: Row| assert!(row.lights().count() < 17);
+                clean.rows_2x(from..to, &mut ring, guide, show);
+                let guide = |_, _| hostile(&mut random);
+                clean.rows_3x(from..to, &mut ring, guide, show);
             }
         });
     }

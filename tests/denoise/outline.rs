@@ -225,6 +225,44 @@ fn within_one_thing_nothing_is_mixed() {
 }
 
 #[test]
+fn rows_of_one_thing_are_its_pixels() {
+    let mut random = Random(6);
+    let frame = vec![pixel(7, 0.5); SIZE.pixels()];
+    let lights: Vec<Rgb9e5> = places()
+        .map(|_| light(f64::from(1 + random.below(1000)) / 100.0))
+        .collect();
+    let clean = Clean {
+        size: SIZE,
+        frame: &frame,
+        light: &lights,
+        lengths: &vec![1; frame.len()],
+        spp: 1,
+        whole: 1,
+    };
+    let mut ring = vec![Seen::default(); 9 * usize::from(SIZE.width)];
+    for scale in [2, 3] {
+        let rows = 0..scale * SIZE.height;
+        let guide = |_, _| frame[0];
+        let show = |y: u16, row: Row| {
+            assert_eq!(row.lights().count(), usize::from(scale * SIZE.width));
+            for (x, seen) in (0..).zip(row.lights()) {
+                let fine = match scale {
+                    2 => clean.pixel_2x(x, y, &frame[0]),
+                    _ => clean.pixel_3x(x, y, &frame[0]),
+                };
+                let [seen, fine] = [seen, fine].map(|light| value(light)[0]);
+                // Nine bits, rounded once and twice.
+                assert!((seen / fine - 1.0).abs() < 0.003, "{x} {y}: {seen}, not {fine}");
+            }
+        };
+        match scale {
+            2 => clean.rows_2x(rows, &mut ring[..6 * usize::from(SIZE.width)], guide, show),
+            _ => clean.rows_3x(rows, &mut ring, guide, show),
+        }
+    }
+}
+
+#[test]
 fn a_lamp_does_not_shine_through_its_outline() {
     let half = |(x, _): (usize, usize)| {
         let is_lamp = x >= 16;
@@ -261,8 +299,7 @@ fn bands_of_rows_are_the_picture() {
         spp: 1,
         whole: 1,
     };
-    let by = |band: u16, is_large: bool| {
-        let scale = if is_large { 2 } else { 1 };
+    let by = |band: u16, scale: u16| {
         // Longer than it has to be for some.
         let mut ring = vec![Seen::default(); 3 * usize::from(scale * SIZE.width + band % 7)];
         let mut out = Vec::new();
@@ -272,21 +309,23 @@ fn bands_of_rows_are_the_picture() {
             next += 1;
             out.extend(row.lights());
         };
-        let guide = |x: u16, y: u16| frame[usize::from(y / 2) * usize::from(SIZE.width) + usize::from(x / 2)];
+        let guide =
+            |x: u16, y: u16| frame[usize::from(y / scale) * usize::from(SIZE.width) + usize::from(x / scale)];
         for first in (0..scale * SIZE.height).step_by(band.into()) {
-            match is_large {
-                true => clean.rows_2x(first..first + band, &mut ring, guide, &mut show),
-                false => clean.rows(first..first + band, &mut ring, &mut show),
+            let rows = first..first + band;
+            match scale {
+                1 => clean.rows(rows, &mut ring, &mut show),
+                2 => clean.rows_2x(rows, &mut ring, guide, &mut show),
+                _ => clean.rows_3x(rows, &mut ring, guide, &mut show),
             }
         }
         out
     };
-    for is_large in [false, true] {
-        let whole = by(98, is_large);
-        let scale = if is_large { 2 } else { 1 };
-        assert_eq!(whole.len(), scale * scale * frame.len());
+    for scale in [1, 2, 3] {
+        let whole = by(98, scale);
+        assert_eq!(whole.len(), usize::from(scale * scale) * frame.len());
         for band in [1, 2, 7] {
-            assert!(by(band, is_large) == whole, "{band}");
+            assert!(by(band, scale) == whole, "{scale}: {band}");
         }
     }
 }

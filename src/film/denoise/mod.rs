@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! Renderer::feature_tile -> firefly clamp, history (accumulate) -> Filter (a-trous) -> times albedo
-//!                                  ^ where a pixel was: Reproject      `-> twice the size: upsample, times its albedo
+//!                                  ^ where a pixel was: Reproject      `-> twice or three times the size: upsample, times its albedo
 //! either, outlines without steps (outline), row by row -> what is shown
 //!                        half of it and half of what was shown before (taa), where there is room for two pictures
 //! ```
@@ -31,7 +31,7 @@ pub use near::FIREFLY;
 pub use outline::{Row, Seen};
 pub use pair::{Alone, Pair};
 pub use taa::Shown;
-pub use upsample::upsample;
+pub use upsample::{upsample, upsample_3x};
 
 use core::ops::Range;
 
@@ -52,6 +52,14 @@ pub struct Size {
 impl Size {
     pub const fn pixels(self) -> usize {
         self.width as usize * self.height as usize
+    }
+
+    /// So many times as wide and high.
+    pub const fn times(self, scale: u16) -> Size {
+        Size {
+            width: self.width.saturating_mul(scale),
+            height: self.height.saturating_mul(scale),
+        }
     }
 
     /// Pixels of the upper half of the rows, which is the first worker's.
@@ -311,6 +319,12 @@ impl Clean<'_> {
         upsample(self.size, self.frame, self.light, [x, y], guide).mul_albedo(guide.albedo())
     }
 
+    /// A pixel of a picture three times as wide and high: see [`upsample_3x`].
+    #[inline]
+    pub fn pixel_3x(&self, x: u16, y: u16, guide: &Feature) -> Radiance {
+        upsample_3x(self.size, self.frame, self.light, [x, y], guide).mul_albedo(guide.albedo())
+    }
+
     /// Shows `rows` from the top, outlines without steps; `ring` is as long as three of them, or rows are cut off.
     pub fn rows(&self, rows: Range<u16>, ring: &mut [Seen], show: impl FnMut(u16, Row)) {
         let each = worth(self.spp);
@@ -359,10 +373,27 @@ impl Clean<'_> {
                 }
             }
         };
-        let size = Size {
-            width: self.size.width.saturating_mul(2),
-            height: self.size.height.saturating_mul(2),
+        go_down(rows, self.size.times(2), ring, make, show);
+    }
+
+    /// The same of a picture three times as wide and high.
+    pub fn rows_3x(
+        &self,
+        rows: Range<u16>,
+        ring: &mut [Seen],
+        mut guide: impl FnMut(u16, u16) -> Feature,
+        show: impl FnMut(u16, Row),
+    ) {
+        let coarse = Coarse {
+            size: self.size,
+            frame: self.frame,
+            light: self.light,
         };
-        go_down(rows, size, ring, make, show);
+        let mut turns = Turns::default();
+        let make = |y: u16, row: &mut [Seen]| {
+            let lines = coarse.lines_3x(y);
+            lines.thirds(coarse, y, |x| guide(x, y), &mut turns, row);
+        };
+        go_down(rows, self.size.times(3), ring, make, show);
     }
 }

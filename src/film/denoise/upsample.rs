@@ -39,6 +39,45 @@ pub fn upsample(
         .radiance()
 }
 
+/// The same of a picture three times as wide and high: the four count 4 : 2 : 2 : 1 by where they are; in line with two, these
+/// count 6 : 3, and in the middle of one, this alone.
+pub fn upsample_3x(
+    size: Size,
+    frame: &[Feature],
+    light: &[Rgb9e5],
+    [x, y]: [u16; 2],
+    guide: &Feature,
+) -> Radiance {
+    let coarse = Coarse { size, frame, light };
+    let Third { second, .. } = Third::of(x);
+    coarse
+        .lines_3x(y)
+        .four(second)
+        .third(coarse, [x, y], guide, &mut Turns::default())
+        .radiance()
+}
+
+/// Where one of three fine pixels lies, across or down.
+struct Third {
+    /// Of both coarse pixels about it the second; it itself, where it lies in that one's middle.
+    second: u16,
+    /// Whether that is the nearer one.
+    is_second: bool,
+    /// What the nearer and the farther one count.
+    shares: [u32; 2],
+}
+
+impl Third {
+    fn of(c: u16) -> Third {
+        let is_left = c % 3 == 2;
+        Third {
+            second: c / 3 + u16::from(is_left),
+            is_second: !is_left,
+            shares: if c % 3 == 1 { [3, 0] } else { [2, 1] },
+        }
+    }
+}
+
 /// What is made twice as wide and high.
 #[derive(Clone, Copy)]
 pub(super) struct Coarse<'a> {
@@ -50,20 +89,34 @@ pub(super) struct Coarse<'a> {
 impl<'a> Coarse<'a> {
     /// The two rows about fine row y, the one it lies in first.
     pub fn lines(self, y: u16) -> Lines<'a> {
-        let width = self.size.width as usize;
-        let last = self.size.height.saturating_sub(1);
         let far = if y.is_multiple_of(2) {
             (y / 2).saturating_sub(1)
         } else {
             y / 2 + 1
         };
+        self.both(y / 2, far)
+    }
+
+    /// [`Self::lines`] of three times the height.
+    pub fn lines_3x(self, y: u16) -> Lines<'a> {
+        let far = match y % 3 {
+            0 => (y / 3).saturating_sub(1),
+            remainder => y / 3 + remainder - 1,
+        };
+        self.both(y / 3, far)
+    }
+
+    #[inline(always)]
+    fn both(self, near: u16, far: u16) -> Lines<'a> {
+        let width = self.size.width as usize;
+        let last = self.size.height.saturating_sub(1);
         let row = |y: u16| {
             let from = y.min(last) as usize * width;
             let row = from..from + width;
             let (frame, light) = (self.frame.get(row.clone()), self.light.get(row));
             (frame.unwrap_or(&[]), light.unwrap_or(&[]))
         };
-        let rows = [row(y / 2), row(far)];
+        let rows = [row(near), row(far)];
         Lines {
             rows,
             #[cfg(upsamples)]
@@ -137,7 +190,30 @@ impl<'a> Lines<'a> {
         self.four(x.div_ceil(2)).shown(coarse, [x, y], guide, turns)
     }
 
-    /// The four pixels about fine columns 2 `k` − 1 and 2 `k`; black where there are none.
+    /// Shows fine row `y` of three times the size; `guide` answers each pixel's own first hit.
+    pub fn thirds(
+        &self,
+        coarse: Coarse,
+        y: u16,
+        mut guide: impl FnMut(u16) -> Feature,
+        turns: &mut Turns,
+        row: &mut [Seen],
+    ) {
+        // Of the same four: one that is right of the left ones' middle, and two from the right ones' left side to their middle.
+        let (first, others) = row.split_at_mut(row.len().min(2));
+        let threes = core::iter::once(first).chain(others.chunks_mut(3));
+        for (k, three) in (0..).zip(threes) {
+            let four = self.four(k);
+            let left = (3 * k).saturating_sub(1);
+            for (x, shown) in (left..).zip(three) {
+                let guide = guide(x);
+                let light = four.third(coarse, [x, y], &guide, turns);
+                *shown = Seen::new(light.shaded(guide.albedo()), &guide, MIDDLE);
+            }
+        }
+    }
+
+    /// The two pixels of each row about fine columns 2 `k` − 1 and 2 `k`; black where there are none.
     #[inline(always)]
     pub fn four(&self, k: u16) -> Four<'a> {
         let last = self.rows[0].0.len().saturating_sub(1);
@@ -239,6 +315,33 @@ impl Four<'_> {
         {
             return light;
         }
+        let first = [x, y].map(|c| c.div_ceil(2).into());
+        self.weighed(coarse, first, right, [9, 3, 3, 1], guide, turns)
+    }
+
+    /// The same of three times the size.
+    #[inline(always)]
+    pub fn third(&self, coarse: Coarse, place: [u16; 2], guide: &Feature, turns: &mut Turns) -> Channels {
+        let [across, down] = place.map(Third::of);
+        let ([a, b], [near, far]) = (across.shares, down.shares);
+        let shares = [a * near, b * near, a * far, b * far];
+        let second = [across.second, down.second].map(i32::from);
+        self.weighed(coarse, second, across.is_second.into(), shares, guide, turns)
+    }
+
+    /// The mean of the four by these shares, the nearest one's first, then that of the other one in its row; and by how like
+    /// `guide` they are. `second` is the lower right one's place.
+    #[inline(always)]
+    fn weighed(
+        &self,
+        coarse: Coarse,
+        second: [i32; 2],
+        right: usize,
+        shares: [u32; 4],
+        guide: &Feature,
+        turns: &mut Turns,
+    ) -> Channels {
+        let [seen, looks] = words(guide);
         let near = 2 * right;
         let order = [near, 2 - near, near + 1, 3 - near];
         let pixels = order.map(|i| self.pixels[i]);
@@ -264,8 +367,9 @@ impl Four<'_> {
                 unlike(c, guide, turns),
                 unlike(d, guide, turns),
             ];
-            if unlike.iter().all(|&unlike| unlike >= UNLIKE[0])
-                && let Some(light) = about(coarse, [x, y], guide, turns)
+            let is_other = |(&unlike, &share): (&u32, &u32)| unlike >= UNLIKE[0] || share == 0;
+            if unlike.iter().zip(&shares).all(is_other)
+                && let Some(light) = about(coarse, second, guide, turns)
             {
                 return light;
             }
@@ -273,17 +377,17 @@ impl Four<'_> {
             unlike.map(|unlike| FALL[unlike.min(LEAST) as usize])
         };
         let mut mean = self.mean.anew();
-        for ((light, share), weight) in lights.into_iter().zip([9, 3, 3, 1]).zip(weights) {
+        for ((light, share), weight) in lights.into_iter().zip(shares).zip(weights) {
             mean.add(light, share * u32::from(weight));
         }
         mean.channels()
     }
 }
 
-/// Of the sixteen about pixel (x, y), those that are of the guide's thing; the same for each of them.
+/// Of the sixteen about four whose lower right one is `second`, those that are of the guide's thing.
 #[cold]
-fn about(coarse: Coarse, [x, y]: [u16; 2], guide: &Feature, turns: &mut Turns) -> Option<Channels> {
-    let first = [x, y].map(|c| c.div_ceil(2) as i32 - 2);
+fn about(coarse: Coarse, second: [i32; 2], guide: &Feature, turns: &mut Turns) -> Option<Channels> {
+    let first = second.map(|c| c - 2);
     let mut mean = Mean::new();
     alike(coarse, first, guide, turns, |light, _| mean.see(light));
     alike(coarse, first, guide, turns, |light, weight| {

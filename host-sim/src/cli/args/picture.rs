@@ -49,7 +49,7 @@ pub struct Settings {
     #[arg(long, value_enum, default_value_t = DenoiseArg::Off, value_name = "FILTER")]
     pub denoise: DenoiseArg,
     /// Render every N-th pixel and row only, and fill in what lies between, led by what is seen there
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=2))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub upscale: u32,
 }
 
