@@ -31,6 +31,9 @@ pub struct Options {
     /// Frames of a flight
     #[arg(long, default_value_t = 3)]
     frames: u32,
+    /// Flights fill 240 x 240 pixels, 3 x 3 for each rendered one, instead of 160 x 120, 2 x 2 for each
+    #[arg(long)]
+    full: bool,
     /// Samples a pixel after which to stop, 1 to 16 by powers of two; 0 for the preview
     #[arg(long, default_value_t = 1)]
     spp: u32,
@@ -73,8 +76,10 @@ pub fn run(options: &Options) -> Result<()> {
             words.extend([name.into(), whole(file)?.into()]);
         }
     }
-    if options.quiet {
-        words.push("--quiet".into());
+    for (name, is_on) in [("--full", options.full), ("--quiet", options.quiet)] {
+        if is_on {
+            words.push(name.into());
+        }
     }
     emulate(&words)?;
     println!("what the display shows: {}", png.display());
@@ -128,6 +133,15 @@ pub fn check() -> Result<String> {
     for flight in ["flight", "flight-neural"] {
         emulate(&["run", "--quiet", "--scene", flight, "--frames", "2"])?;
     }
+    emulate(&[
+        "run",
+        "--quiet",
+        "--scene",
+        "flight-neural",
+        "--full",
+        "--frames",
+        "2",
+    ])?;
     emulate(&["faults"])?;
     Ok(
         "nine machines agree, the Pico's display shows this computer's pictures, every fault is caught"

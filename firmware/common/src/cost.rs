@@ -23,7 +23,7 @@ const PIXELS: usize = SIZE.pixels();
 const NEEDS: Needs = Needs::of(SIZE.width as usize, SIZE.height as usize);
 
 /// Stages by the number of their region, but for [`FILTER`].
-pub const STAGES: [&str; 10] = [
+pub const STAGES: [&str; 11] = [
     "firefly clamp, history",
     "à-trous, for 1 sample",
     "à-trous, for 4 samples",
@@ -34,6 +34,7 @@ pub const STAGES: [&str; 10] = [
     "rendering, 1 sample",
     "its own size, outlines",
     "its own size, outlines and TAA",
+    "three times the size, outlines",
 ];
 
 /// Of [`STAGES`], what the whole network's region has beside the extraction's, which is the other number.
@@ -49,9 +50,10 @@ struct Room {
     far: [u32; NEEDS.far],
     neural: [u32; Neural::needs(SIZE)],
     guides: [Feature; 4 * PIXELS],
-    shown: [Radiance; 4 * PIXELS],
+    guides_3x: [Feature; 9 * PIXELS],
+    shown: [Radiance; 9 * PIXELS],
     pictures: [[Rgb9e5; PIXELS]; 2],
-    ring: [Seen; 3 * 2 * SIZE.width as usize],
+    ring: [Seen; 3 * 3 * SIZE.width as usize],
 }
 
 /// Renders two frames of a scene between which the camera moves, one sample a pixel, and does with the second what there is
@@ -67,9 +69,10 @@ pub fn run(scene: Builtin) -> u32 {
         far: [0; NEEDS.far],
         neural: [0; Neural::needs(SIZE)],
         guides: [Feature::default(); 4 * PIXELS],
-        shown: [Radiance::BLACK; 4 * PIXELS],
+        guides_3x: [Feature::default(); 9 * PIXELS],
+        shown: [Radiance::BLACK; 9 * PIXELS],
         pictures: [[Rgb9e5::BLACK; PIXELS]; 2],
-        ring: [Seen::NOTHING; 3 * 2 * SIZE.width as usize],
+        ring: [Seen::NOTHING; 3 * 3 * SIZE.width as usize],
     };
     fill(scene, &mut room).unwrap_or(0)
 }
@@ -81,6 +84,7 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
         lengths: [lengths_before, lengths],
         above,
         guides,
+        guides_3x,
         ..
     } = room;
     let motion = scene
@@ -100,18 +104,21 @@ fn fill(scene: Builtin, room: &mut Room) -> Option<u32> {
             };
             render(before, 0);
             region::count(7, || render(now, 1));
-            let fine = Settings {
-                width: 2 * SIZE.width,
-                height: 2 * SIZE.height,
-                ..settings
-            };
-            let mut renderer = Renderer::new(scene, cameras[1], Path::direct(), Sobol::new(1), fine);
-            region::count(6, || {
+            let guided = |scale: u16, guides: &mut [Feature]| {
+                let Size { width, height } = SIZE.times(scale);
+                let fine = Settings {
+                    width,
+                    height,
+                    ..settings
+                };
+                let mut renderer = Renderer::new(scene, cameras[1], Path::direct(), Sobol::new(1), fine);
                 for (i, guide) in guides.iter_mut().enumerate() {
-                    let (x, y) = place(i, fine.width);
+                    let (x, y) = place(i, width);
                     *guide = renderer.guide(x, y);
                 }
-            });
+            };
+            region::count(6, || guided(2, guides));
+            guided(3, guides_3x);
             let motion = Motion::between(cameras[0], cameras[1], SIZE.width, SIZE.height);
             accumulate::<Motion>(band(before, lengths_before, above), None, 0);
             let past = Past {
@@ -148,6 +155,7 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         far,
         neural,
         guides,
+        guides_3x,
         shown,
         pictures: [last, picture],
         ring,
@@ -202,6 +210,19 @@ fn clean(room: &mut Room, motion: &Motion) -> u32 {
         let guide = |x: u16, y: u16| guides[y as usize * width as usize + x as usize];
         let mut rest = shown.iter_mut();
         clean.rows_2x(0..2 * SIZE.height, ring, guide, |_, row| {
+            for (shown, light) in rest.by_ref().zip(row.lights()) {
+                *shown = light;
+            }
+        });
+    });
+    for light in &shown[..4 * PIXELS] {
+        fingerprint::pixel(&mut crc, *light);
+    }
+    region::count(10, || {
+        let width = 3 * SIZE.width;
+        let guide = |x: u16, y: u16| guides_3x[y as usize * width as usize + x as usize];
+        let mut rest = shown.iter_mut();
+        clean.rows_3x(0..3 * SIZE.height, ring, guide, |_, row| {
             for (shown, light) in rest.by_ref().zip(row.lights()) {
                 *shown = light;
             }

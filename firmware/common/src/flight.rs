@@ -1,4 +1,4 @@
-//! A flight past a scene: few samples a pixel, denoised, shown twice as large, by two workers.
+//! A flight past a scene: few samples a pixel, denoised, shown larger, by two workers.
 
 use core::cell::RefCell;
 
@@ -12,7 +12,7 @@ use microlux::{
     camera::Camera,
     color::{Radiance, Rgb9e5},
     film::denoise::network::{NetworkError, Neural, TRAINED},
-    film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Seen, Size, TooShort},
+    film::denoise::{Atrous, Denoiser, Memory, Pair, ROWS, Row, Seen, Size, TooShort},
     film::{Feature, Tile},
     geom::Octahedral,
     integrator::Path,
@@ -32,14 +32,42 @@ pub const WAYS: [Way; 2] = [Way::Atrous, Way::Neural];
 /// Their names, which the firmware prints and the emulator is given.
 pub const NAMES: [&str; WAYS.len()] = ["flight", "flight-neural"];
 
-/// Of a frame as it is rendered.
-pub const SIZE: Size = Size {
-    width: 80,
-    height: 60,
-};
-/// Of a frame as it is shown, pixels.
-pub const WIDTH: usize = 2 * SIZE.width as usize;
-pub const HEIGHT: usize = 2 * SIZE.height as usize;
+/// How large a frame is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Form {
+    /// As it is rendered.
+    pub size: Size,
+    /// How many shown pixels a rendered one is wide and high: 2 or 3.
+    pub scale: u16,
+}
+
+impl Form {
+    const fn new(width: u16, height: u16, scale: u16) -> Form {
+        let form = Form {
+            size: Size { width, height },
+            scale,
+        };
+        assert!(size_of::<Seen>() * 2 * 3 * form.width() <= 4 * Neural::needs(form.size));
+        form
+    }
+
+    /// Pixels that are shown.
+    pub const fn width(self) -> usize {
+        self.scale as usize * self.size.width as usize
+    }
+
+    pub const fn height(self) -> usize {
+        self.scale as usize * self.size.height as usize
+    }
+}
+
+/// 160 x 120 shown pixels.
+pub const SMALL: Form = Form::new(80, 60, 2);
+/// 240 x 240, where RAM is short.
+pub const FULL: Form = Form::new(80, 80, 3);
+/// 240 x 240, where there is more.
+pub const FINE: Form = Form::new(120, 120, 2);
+
 /// Rows that a worker shows at a time; it makes one more above and below.
 const BAND: usize = 30;
 /// Pixels that become colours at a time: a row's light would take stack.
@@ -51,7 +79,6 @@ pub const SPP: u32 = 1;
 /// Frames there and back.
 pub const FRAMES: u32 = 64;
 
-const PIXELS: usize = SIZE.pixels();
 const EMPTY: Feature = Feature {
     irradiance: Rgb9e5::BLACK,
     albedo: [0; 3],
@@ -60,23 +87,32 @@ const EMPTY: Feature = Feature {
     id: 0,
 };
 
-/// Memory that flights take, in a variable of the program's.
-pub struct Room {
+/// Memory that flights take, in a variable of the program's: so many pixels, lights of [`ROWS`] and words of the network.
+pub struct Room<const PIXELS: usize, const LIGHTS: usize, const WORDS: usize> {
     frames: [[Feature; PIXELS]; 2],
     lengths: [[u8; PIXELS]; 2],
-    rows: [Rgb9e5; ROWS * SIZE.width as usize],
+    rows: [Rgb9e5; LIGHTS],
     /// The network's own; then, in its place, three rows as they are shown, for each worker.
-    network: [u32; Neural::needs(SIZE)],
+    network: [u32; WORDS],
 }
 
-const _: () = assert!(size_of::<[[Seen; 3 * WIDTH]; 2]>() <= 4 * Neural::needs(SIZE));
+/// For flights of [`SMALL`] frames.
+pub type SmallRoom = Room<{ SMALL.size.pixels() }, { lights(SMALL) }, { Neural::needs(SMALL.size) }>;
+/// For flights of [`FULL`] frames.
+pub type FullRoom = Room<{ FULL.size.pixels() }, { lights(FULL) }, { Neural::needs(FULL.size) }>;
+/// For flights of [`FINE`] frames.
+pub type FineRoom = Room<{ FINE.size.pixels() }, { lights(FINE) }, { Neural::needs(FINE.size) }>;
 
-impl Room {
-    pub const EMPTY: Room = Room {
+const fn lights(form: Form) -> usize {
+    ROWS * form.size.width as usize
+}
+
+impl<const PIXELS: usize, const LIGHTS: usize, const WORDS: usize> Room<PIXELS, LIGHTS, WORDS> {
+    pub const EMPTY: Self = Room {
         frames: [[EMPTY; PIXELS]; 2],
         lengths: [[0; PIXELS]; 2],
-        rows: [Rgb9e5::BLACK; ROWS * SIZE.width as usize],
-        network: [0; Neural::needs(SIZE)],
+        rows: [Rgb9e5::BLACK; LIGHTS],
+        network: [0; WORDS],
     };
 }
 
@@ -87,8 +123,9 @@ pub enum Refused {
     Network(NetworkError),
 }
 
-/// Frame after frame; remembers what it saw.
-pub struct Flight<'m> {
+/// Frame after frame, shown so many times as large; remembers what it saw.
+pub struct Flight<'m, const SCALE: u16> {
+    size: Size,
     denoiser: Denoiser<'m>,
     atrous: Atrous,
     neural: Neural<'m>,
@@ -108,8 +145,12 @@ impl<I: Iterator> Turns<I> {
     }
 }
 
-impl<'m> Flight<'m> {
-    pub fn new(room: &'m mut Room) -> Result<Flight<'m>, Refused> {
+impl<'m, const SCALE: u16> Flight<'m, SCALE> {
+    /// Of frames that are rendered at `size`.
+    pub fn new<const PIXELS: usize, const LIGHTS: usize, const WORDS: usize>(
+        size: Size,
+        room: &'m mut Room<PIXELS, LIGHTS, WORDS>,
+    ) -> Result<Self, Refused> {
         let [now, before] = &mut room.frames;
         let [lengths, lengths_before] = &mut room.lengths;
         let memory = Memory {
@@ -118,16 +159,17 @@ impl<'m> Flight<'m> {
             rows: &mut room.rows,
         };
         Ok(Flight {
-            denoiser: Denoiser::new(SIZE, SPP, memory).map_err(Refused::Denoiser)?,
+            size,
+            denoiser: Denoiser::new(size, SPP, memory).map_err(Refused::Denoiser)?,
             atrous: Atrous::for_spp(SPP),
-            neural: Neural::new(TRAINED, SIZE, SPP, &mut room.network).map_err(Refused::Network)?,
+            neural: Neural::new(TRAINED, size, SPP, &mut room.network).map_err(Refused::Network)?,
             before: None,
         })
     }
 
     /// Renders, cleans and shows frame `number`, the first of which has no history: `show` gets each row of RGB565,
-    /// whichever worker has it.
-    pub fn frame(
+    /// [`Form::width`] of them, whichever worker has it.
+    pub fn frame<const WIDTH: usize>(
         &mut self,
         pair: &impl Pair,
         stage: &Stage,
@@ -139,11 +181,12 @@ impl<'m> Flight<'m> {
             self.denoiser.forget();
         }
         let place = number % FRAMES;
-        let camera = widened(stage.camera, SIZE.width.into(), SIZE.height.into());
+        let size = self.size;
+        let camera = widened(stage.camera, size.width.into(), size.height.into());
         let camera = moved(camera, place.min(FRAMES - place));
         let settings = |scale: u16, spp| Settings {
-            width: scale * SIZE.width,
-            height: scale * SIZE.height,
+            width: scale * size.width,
+            height: scale * size.height,
             spp,
         };
         let renderer = |settings, seed| {
@@ -151,7 +194,7 @@ impl<'m> Flight<'m> {
             Renderer::new(stage.scene, camera, Path::direct(), sampler, settings)
         };
 
-        let rows = self.denoiser.frame().chunks_exact_mut(SIZE.width.into());
+        let rows = self.denoiser.frame().chunks_exact_mut(size.width.into());
         let rows = Turns::new((0..).zip(rows));
         let render = || {
             let mut renderer = renderer(settings(1, SPP), number);
@@ -164,19 +207,20 @@ impl<'m> Flight<'m> {
         pair.both(render, render);
 
         let before = self.before.replace(camera).unwrap_or(camera);
-        let motion = Motion::between(before, camera, SIZE.width, SIZE.height);
+        let motion = Motion::between(before, camera, size.width, size.height);
         let clean = match way {
             Way::Atrous => self.denoiser.denoise_by(pair, Some(&motion), &mut self.atrous),
             Way::Neural => self.denoiser.denoise_by(pair, Some(&motion), &mut self.neural),
         };
 
-        let bands = Turns::new((0..HEIGHT as u16).step_by(BAND));
+        let bands = Turns::new((0..SCALE * size.height).step_by(BAND));
         let raise = |ring: &mut [Seen]| {
-            let mut renderer = renderer(settings(2, 1), 0);
+            let mut renderer = renderer(settings(SCALE, 1), 0);
             let mut guide = |x, y| renderer.guide(x, y);
             let mut colours = [0; WIDTH];
             while let Some(first) = bands.next() {
-                clean.rows_2x(first..first + BAND as u16, ring, &mut guide, |y, row| {
+                let rows = first..first + BAND as u16;
+                let line = |y: u16, row: Row| {
                     let mut lights = row.lights();
                     for (x, colours) in (0..).step_by(PIECE).zip(colours.chunks_exact_mut(PIECE)) {
                         let mut piece = [Radiance::BLACK; PIECE];
@@ -192,7 +236,11 @@ impl<'m> Flight<'m> {
                         }
                     }
                     show(y.into(), &colours);
-                });
+                };
+                match SCALE {
+                    3 => clean.rows_3x(rows, ring, &mut guide, line),
+                    _ => clean.rows_2x(rows, ring, &mut guide, line),
+                }
             }
         };
         // What the network works in is not needed now.

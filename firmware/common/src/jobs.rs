@@ -108,14 +108,15 @@ impl Job {
 }
 
 /// Jobs about the arithmetic and the memory of the machine, and a picture that the example makes without the core's scene.
-const OWN: [Job; 7] = [
+const OWN: [Job; 8] = [
     Job::machine("edges", edges::run),
     Job::machine("fill", fill),
     Job::machine("raystones", raystones::run),
     Job::machine("meshes", meshes::run),
     Job::machine("normalize", normalize::run),
     Job::machine("rectangles", rectangles::run),
-    Job::machine("upsampled", upsampled::run),
+    Job::machine("upsampled", upsampled::twice),
+    Job::machine("upsampled-3x", upsampled::thrice),
 ];
 
 /// Both seeds of each row.

@@ -1,10 +1,10 @@
-//! Random frames made twice the size: by assembly on ARMv6-M, by the portable code elsewhere.
+//! Random frames made two and three times the size: the former by assembly on ARMv6-M, by the portable code elsewhere.
 
 use microlux::{
     color::Rgb9e5,
     film::{
         Feature,
-        denoise::{Clean, Seen, Size},
+        denoise::{Clean, Row, Seen, Size},
     },
     geom::Octahedral,
     num::Crc,
@@ -18,7 +18,16 @@ const PIXELS: usize = SIZE.pixels();
 
 /// Of one thing or a few, turned and painted alike or not, near or far, lamps and nothing; of light that is alike or not, as
 /// bright and as dark as can be.
-pub(crate) fn run() -> u32 {
+pub(crate) fn twice() -> u32 {
+    raised(2)
+}
+
+pub(crate) fn thrice() -> u32 {
+    raised(3)
+}
+
+#[inline(never)]
+fn raised(scale: u16) -> u32 {
     let mut random = Xorshift::new(0x2545_f491);
     let mut crc = Crc::new();
     for round in 0..FRAMES {
@@ -54,12 +63,18 @@ pub(crate) fn run() -> u32 {
             spp: 1,
             whole: 1,
         };
-        let width = 2 * usize::from(SIZE.width);
-        let guide = |x: u16, y: u16| guides[usize::from(y) * width + usize::from(x)];
-        let mut ring = [Seen::NOTHING; 3 * 2 * SIZE.width as usize];
-        clean.rows_2x(0..2 * SIZE.height, &mut ring, guide, |_, row| {
+        let Size { width, height } = SIZE.times(scale);
+        // Again from the first when all were taken.
+        let guide =
+            |x: u16, y: u16| guides[(usize::from(y) * usize::from(width) + usize::from(x)) % guides.len()];
+        let mut ring = [Seen::NOTHING; 3 * 3 * SIZE.width as usize];
+        let show = |_, row: Row| {
             row.lights().for_each(|light| fingerprint::pixel(&mut crc, light));
-        });
+        };
+        match scale {
+            2 => clean.rows_2x(0..height, &mut ring, guide, show),
+            _ => clean.rows_3x(0..height, &mut ring, guide, show),
+        }
     }
     crc.value()
 }

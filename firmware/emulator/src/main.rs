@@ -113,6 +113,9 @@ struct Run {
     /// Frames of a flight
     #[arg(long, default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=i64::from(flight::FRAMES)))]
     frames: u32,
+    /// Flights fill 240 x 240 pixels, 3 x 3 for each rendered one, instead of 160 x 120, 2 x 2 for each
+    #[arg(long)]
+    full: bool,
     /// Samples a pixel in the pass after which the run ends, 1 to 16 by powers of two; 0 for the preview
     #[arg(long, default_value_t = 1)]
     spp: u32,
@@ -158,6 +161,7 @@ fn goal(options: &Run) -> Result<pico::Goal> {
         return Ok(pico::Goal::Flight {
             flight,
             frames: options.frames,
+            full: options.full,
         });
     }
     let is_asked = |pass: &Pass| {

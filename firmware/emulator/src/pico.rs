@@ -13,7 +13,7 @@ use clap::ValueEnum;
 use firmware_bake::{Aligned, Baked};
 use firmware_common::{
     denoise::Way,
-    flight::{self, Flight, Room},
+    flight::{self, FULL, Flight, Form, FullRoom, Refused, SMALL, SmallRoom},
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
     tile::{self, Frame, Painter, Pass},
@@ -62,8 +62,8 @@ impl Screen {
 pub enum Goal {
     /// A scene by its place in [`NAMES`], and the pass of [`tile::PASSES`] to wait for.
     Still { scene: usize, pass: Pass },
-    /// So many frames of a flight, by its place in [`flight::WAYS`].
-    Flight { flight: usize, frames: u32 },
+    /// So many frames of a flight, by its place in [`flight::WAYS`]; `full` ones fill the display.
+    Flight { flight: usize, frames: u32, full: bool },
 }
 
 impl Goal {
@@ -73,6 +73,10 @@ impl Goal {
             Self::Still { scene, .. } => NAMES[scene],
             Self::Flight { flight, .. } => flight::NAMES[flight],
         }
+    }
+
+    fn is_full(self) -> bool {
+        matches!(self, Self::Flight { full: true, .. })
     }
 
     /// The line that the firmware prints when it is there.
@@ -128,7 +132,7 @@ pub fn run(run: &Run) -> Result<Shown> {
         Some(file) => fs::canonicalize(file).with_context(|| file.display().to_string())?,
         None => PathBuf::new(),
     };
-    let program = build(run.screen, run.goal.scene(), "", &mesh)?;
+    let program = build(run.screen, run.goal.is_full(), run.goal.scene(), "", &mesh)?;
     let size = size::of(&program)?;
     println!(
         "flash {} bytes, RAM {} bytes without core 0's stack",
@@ -174,9 +178,18 @@ pub fn run(run: &Run) -> Result<Shown> {
             println!("the display shows what this computer renders, bit for bit");
             rays
         }
-        Goal::Flight { flight, frames } => {
+        Goal::Flight { flight, frames, full } => {
             let seen = fs::read(&each).with_context(|| each.display().to_string())?;
-            let expected = flown(run.screen.frame(), flight::WAYS[flight], frames)?;
+            let (frame, way) = (run.screen.frame(), flight::WAYS[flight]);
+            let expected = if full {
+                let mut room = Box::new(FullRoom::EMPTY);
+                let flight = Flight::new(FULL.size, &mut room);
+                flown::<{ FULL.scale }, { FULL.width() }>(FULL, flight, frame, way, frames)?
+            } else {
+                let mut room = Box::new(SmallRoom::EMPTY);
+                let flight = Flight::new(SMALL.size, &mut room);
+                flown::<{ SMALL.scale }, { SMALL.width() }>(SMALL, flight, frame, way, frames)?
+            };
             ensure!(
                 seen.len() == expected.len() * shown.len(),
                 "the display was seen after {} frames, {frames} expected",
@@ -289,7 +302,7 @@ pub fn faults() -> Result<()> {
         ("hang", "stopped: watchdog", YELLOW),
     ];
     for (fault, line, colour) in cases {
-        let program = build(Screen::Square, NAMES[0], fault, Path::new(""))?;
+        let program = build(Screen::Square, false, NAMES[0], fault, Path::new(""))?;
         let rgb = program.with_extension("rgb");
         remove(&rgb)?;
         let mut emulator = emulator(&program)?;
@@ -334,14 +347,19 @@ pub fn bare(program: &Path) -> Result<Command> {
     Ok(emulator)
 }
 
-/// Builds the firmware, which begins with the scene `first`; `provoke` names a fault that it then has, `mesh` an OBJ
-/// file, unless they are empty.
-fn build(screen: Screen, first: &str, provoke: &str, mesh: &Path) -> Result<PathBuf> {
+/// Builds the firmware, which begins with the scene `first`, flights filling the display if they are `full`; `provoke` names a
+/// fault that it then has, `mesh` an OBJ file, unless they are empty.
+fn build(screen: Screen, full: bool, first: &str, provoke: &str, mesh: &Path) -> Result<PathBuf> {
     let mesh = mesh.to_str().context("the mesh file's name is not UTF-8")?;
-    let features: &[_] = if screen == Screen::Wide { &["wide"] } else { &[] };
+    let features = [("wide", screen == Screen::Wide), ("full", full)];
+    let features: Vec<_> = features
+        .iter()
+        .filter(|(_, is_on)| *is_on)
+        .map(|(name, _)| *name)
+        .collect();
     let build = Build {
         package: "pico",
-        features,
+        features: &features,
         environment: &[
             ("MICROLUX_PROVOKE", provoke),
             ("MICROLUX_MESH", mesh),
@@ -406,7 +424,13 @@ fn colours(frame: Frame, scene: usize, pass: Pass, baked: Option<&Baked>) -> Res
 }
 
 /// The first frames of a flight as the panel shows them, by one worker.
-fn flown(frame: Frame, way: Way, frames: u32) -> Result<Vec<Vec<u8>>> {
+fn flown<const SCALE: u16, const WIDTH: usize>(
+    form: Form,
+    flight: Result<Flight<SCALE>, Refused>,
+    frame: Frame,
+    way: Way,
+    frames: u32,
+) -> Result<Vec<Vec<u8>>> {
     let refused = |error| anyhow::anyhow!("the scene is refused: {error:?}");
     let mut cornell = Cornell::new().map_err(refused)?;
     let (scene, camera) = cornell.scene().map_err(refused)?;
@@ -414,14 +438,12 @@ fn flown(frame: Frame, way: Way, frames: u32) -> Result<Vec<Vec<u8>>> {
         scene: &scene,
         camera,
     };
-    let mut room = Box::new(Room::EMPTY);
-    let mut flight =
-        Flight::new(&mut room).map_err(|error| anyhow::anyhow!("the room is refused: {error:?}"))?;
+    let mut flight = flight.map_err(|error| anyhow::anyhow!("the room is refused: {error:?}"))?;
     let (width, height) = (frame.width() as usize, frame.height() as usize);
-    let (left, top) = ((width - flight::WIDTH) / 2, (height - flight::HEIGHT) / 2);
+    let (left, top) = ((width - form.width()) / 2, (height - form.height()) / 2);
     let one = |number| {
         let colours = Mutex::new(vec![0; 3 * width * height]);
-        flight.frame(&Alone, &stage, way, number, &|y, row| {
+        flight.frame(&Alone, &stage, way, number, &|y, row: &[u16; WIDTH]| {
             let place = 3 * ((top + y) * width + left);
             let mut colours = colours.lock().expect("nobody panics");
             for (pixel, colour) in colours[place..].chunks_exact_mut(3).zip(row) {

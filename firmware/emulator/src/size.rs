@@ -62,6 +62,10 @@ pub fn table() -> Result<()> {
         println!("{name:<9} {:>12} {:>11}", size.flash, size.ram);
         if matches!(program.board, Board::Pico | Board::Pico2) {
             pico::bounds(&file, name)?;
+            let (file, name) = (program.build_with(&["full"])?, format!("{name}, full"));
+            let size = of(&file)?;
+            println!("{name:<11} {:>10} {:>11}", size.flash, size.ram);
+            pico::bounds(&file, &name)?;
         }
     }
     // No board's, but it shall build, too.
@@ -72,10 +76,14 @@ pub fn table() -> Result<()> {
 impl Program {
     /// Builds it as it is flashed.
     pub fn build(&self) -> Result<PathBuf> {
+        self.build_with(&[])
+    }
+
+    fn build_with(&self, features: &[&str]) -> Result<PathBuf> {
         let environment = ["MICROLUX_PROVOKE", "MICROLUX_MESH", "MICROLUX_FIRST"].map(|name| (name, ""));
         let build = Build {
             package: self.package,
-            features: &[],
+            features,
             environment: &[&environment[..], &toolchain::machine(self.board.name())].concat(),
             name: self.board.name(),
         };

@@ -3,7 +3,7 @@
 
 use cortex_m::singleton;
 use firmware_common::{
-    flight::{self, Flight, Room},
+    flight::{self, Flight, Form},
     mesh,
     stage::{Cornell, NAMES, Pedestal, Stage},
     text,
@@ -30,6 +30,16 @@ pub const FRAME: Frame = if cfg!(feature = "wide") {
 } else {
     tile::SQUARE
 };
+
+/// Flights' frames, and memory for them.
+#[cfg(not(feature = "full"))]
+pub const FORM: Form = flight::SMALL;
+#[cfg(not(feature = "full"))]
+type Room = flight::SmallRoom;
+#[cfg(feature = "full")]
+pub const FORM: Form = chip::FULL;
+#[cfg(feature = "full")]
+type Room = chip::FullRoom;
 
 /// Longest time between two tiles of core 0; what core 1 still does at the end of a pass counts too.
 const HANG: MicrosDurationU32 = MicrosDurationU32::millis(8_000);
@@ -118,8 +128,8 @@ fn stages() -> Option<Stages> {
 }
 
 /// The flights past the first scene, their memory in a variable of its own.
-fn flight() -> Option<Flight<'static>> {
-    Flight::new(singleton!(: Room = Room::EMPTY)?).ok()
+fn flight() -> Option<Flight<'static, { FORM.scale }>> {
+    Flight::new(FORM.size, singleton!(: Room = Room::EMPTY)?).ok()
 }
 
 /// Prints what was completed, and when, in microseconds since the start.

@@ -10,6 +10,10 @@ use crate::hal::{
     pll::PLLConfig,
 };
 
+/// Frames that fill 240 x 240 pixels, and memory for them.
+#[cfg(feature = "full")]
+pub use firmware_common::flight::{FULL, FullRoom};
+
 pub type Timer = hal::Timer;
 
 /// 12 MHz * 133 / (6 * 2) = 133 MHz, the rated clock.

@@ -18,7 +18,10 @@ use firmware_common::{
 };
 use microlux::film::denoise::Pair;
 
-use crate::{app::FRAME, board::Screen};
+use crate::{
+    app::{FORM, FRAME},
+    board::Screen,
+};
 
 /// A pass over a scene, or a frame of a flight; they are counted from 0 and follow each other for ever.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -157,9 +160,10 @@ fn show(index: u32, pixels: &[u16; tile::PIXELS]) {
 
 /// Core 0: draws frame `number` of a flight in the middle of the screen, with core 1's help, and waits until it has left
 /// for the display.
-pub fn fly(flight: &mut Flight, stage: &Stage<'static>, way: Way, number: u32) {
-    const LEFT: i32 = (FRAME.width() as i32 - flight::WIDTH as i32) / 2;
-    const TOP: i32 = (FRAME.height() as i32 - flight::HEIGHT as i32) / 2;
+pub fn fly(flight: &mut Flight<{ FORM.scale }>, stage: &Stage<'static>, way: Way, number: u32) {
+    const WIDTH: usize = FORM.width();
+    const LEFT: i32 = (FRAME.width() as i32 - WIDTH as i32) / 2;
+    const TOP: i32 = (FRAME.height() as i32 - FORM.height() as i32) / 2;
     let whole = Rectangle::new(Point::zero(), Size::new(FRAME.width(), FRAME.height()));
     if number == 0 {
         critical_section::with(|section| {
@@ -168,11 +172,8 @@ pub fn fly(flight: &mut Flight, stage: &Stage<'static>, way: Way, number: u32) {
             }
         });
     }
-    flight.frame(&Cores, stage, way, number, &|y, row| {
-        let area = Rectangle::new(
-            Point::new(LEFT, TOP + y as i32),
-            Size::new(flight::WIDTH as u32, 1),
-        );
+    flight.frame(&Cores, stage, way, number, &|y, row: &[u16; WIDTH]| {
+        let area = Rectangle::new(Point::new(LEFT, TOP + y as i32), Size::new(WIDTH as u32, 1));
         let colours = row.iter().map(|&pixel| Rgb565::from(RawU16::new(pixel)));
         critical_section::with(|section| {
             if let Some(screen) = &mut *SCREEN.borrow_ref_mut(section) {

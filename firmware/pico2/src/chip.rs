@@ -8,6 +8,10 @@ use crate::hal::{
     timer::{self, CopyableTimer0},
 };
 
+/// Frames that fill 240 x 240 pixels, and memory for them.
+#[cfg(feature = "full")]
+pub use firmware_common::flight::{FINE as FULL, FineRoom as FullRoom};
+
 pub type Timer = timer::Timer<CopyableTimer0>;
 
 /// 150 MHz, the rated clock.
