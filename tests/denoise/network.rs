@@ -220,8 +220,16 @@ fn plainly(
             joined.pixels.push(pixel);
         }
         up = layer(6 + 2 * number, &layer(5 + 2 * number, &joined));
-        heads.push(head(level, &up));
+        if level > 0 {
+            heads.push(head(level, &up));
+        }
     }
+    // What is seen of a pixel itself is beside its activations, unless its light is of one sample.
+    for (pixel, input) in up.pixels.iter_mut().zip(input) {
+        let [_, _, _, own @ ..] = input.to_bits().map(i32::from);
+        pixel.extend(if own[7] == 0 { [0; 8] } else { own });
+    }
+    heads.push(head(0, &up));
     heads.reverse();
     heads
 }

@@ -74,7 +74,7 @@ fn learn(options: &Options, sizes: &[Size]) -> Result<Vec<State>> {
         let [state, log] = ["bin", "txt"].map(|end| options.states.join(size.name()).with_extension(end));
         let bar = bars.add(ProgressBar::new(0));
         bar.set_prefix(format!("{:3}", size.name()));
-        let state = train::train(recipe, *size, recipe.steps, &state, &log, &bar)?;
+        let state = train::train(recipe, *size, recipe.all(), &state, &log, &bar)?;
         bar.finish();
         Ok(state)
     };

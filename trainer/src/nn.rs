@@ -506,7 +506,11 @@ pub fn extract(params: &Params, input: Planes, mode: Mode) -> Trace {
         let mut merged = mix(&joined, weights, bias, bias.len());
         let within = activate(&mut merged, mode);
         let convolved = convolve(params, 6 + 2 * step, &merged, mode);
-        heads.push(head(params, level, &convolved.0, mode));
+        heads.push(if level > 0 {
+            head(params, level, &convolved.0, mode)
+        } else {
+            head(params, 0, &beside(&convolved.0, &own), mode)
+        });
         up.push((joined, (merged, within), convolved));
     }
     heads.reverse();
@@ -519,6 +523,19 @@ pub fn extract(params: &Params, input: Planes, mode: Mode) -> Trace {
         up,
         heads,
     }
+}
+
+/// What the finest heads are made of: activations, and what is seen of the pixel itself unless its light is of one sample.
+fn beside(activations: &Planes, own: &Planes) -> Planes {
+    let mut all = activations.clone();
+    all.channels += own.channels;
+    let samples = own.plane(own.channels - 1);
+    for channel in 0..own.channels {
+        let seen = own.plane(channel).iter().zip(samples);
+        all.data
+            .extend(seen.map(|(x, samples)| if *samples > 0.0 { *x } else { 0.0 }));
+    }
+    all
 }
 
 fn head(params: &Params, level: usize, input: &Planes, mode: Mode) -> Heads {
@@ -561,7 +578,14 @@ pub fn extract_back(params: &Params, trace: &Trace, heads: &[Vec<Head>], grad: &
     for level in 0..LEVELS - 1 {
         let step = LEVELS - 2 - level;
         let (joined, (merged, merged_within), (convolved, within)) = &trace.up[step];
-        let mut d = head_back(params, level, convolved, &trace.heads[level], &heads[level], grad);
+        let (made, wanted) = (&trace.heads[level], &heads[level]);
+        let mut d = if level > 0 {
+            head_back(params, level, convolved, made, wanted, grad)
+        } else {
+            let all = beside(convolved, &trace.own);
+            let (d, _) = head_back(params, 0, &all, made, wanted, grad).split(convolved.channels);
+            d
+        };
         if let Some(more) = from_finer.take() {
             add(&mut d, &more);
         }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io::Write;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -12,6 +13,8 @@ use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use crate::data::{SAMPLES, Shot};
+use microlux::film::denoise::network::LEVELS;
+
 use crate::nn::{self, Mode, Params};
 use crate::picture::{self, Picture};
 use crate::scenes::Split;
@@ -44,9 +47,16 @@ pub struct Recipe {
     /// Folder that `data` filled
     #[arg(long, default_value = "data")]
     pub data: PathBuf,
-    /// Steps in all; the learning rate falls over them
+    /// Steps in all but for `--again`; the learning rate falls over them
     #[arg(long, default_value_t = 20_000)]
     pub steps: u32,
+    /// Further steps, rounded from their first on and with a learning rate of their own, before which the finest heads know
+    /// nothing of what is seen of the pixel itself; without them they do from the beginning
+    #[arg(long, default_value_t = 0)]
+    again: u32,
+    /// Learning rate at the top of those
+    #[arg(long, default_value_t = 1.5e-3)]
+    again_rate: f32,
     /// Crops a step
     #[arg(long, default_value_t = 4)]
     batch: u32,
@@ -69,6 +79,43 @@ pub struct Recipe {
     every: u32,
 }
 
+/// Steps over which a learning rate falls.
+struct Phase {
+    first: u32,
+    steps: u32,
+    rate: f32,
+    rounded_from: f32,
+    /// Whether the finest heads learn of what is seen of the pixel itself.
+    own: bool,
+}
+
+impl Recipe {
+    pub fn all(&self) -> u32 {
+        self.steps + self.again
+    }
+
+    /// That of a step.
+    fn phase(&self, step: u32) -> Phase {
+        if step < self.steps {
+            Phase {
+                first: 0,
+                steps: self.steps,
+                rate: self.rate,
+                rounded_from: self.rounded_from,
+                own: self.again == 0,
+            }
+        } else {
+            Phase {
+                first: self.steps,
+                steps: self.again,
+                rate: self.again_rate,
+                rounded_from: 0.0,
+                own: true,
+            }
+        }
+    }
+}
+
 /// Weights, the optimiser's moments, and how far it is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
@@ -82,15 +129,17 @@ const MAGIC: &[u8; 8] = b"mlxstat1";
 
 impl State {
     /// Uniform weights that keep the size of a sum's numbers; nothing in the biases. Heads' are no smaller: features that differ
-    /// little from pixel to pixel hardly learn to.
+    /// little from pixel to pixel hardly learn to; but of what is seen of a pixel itself they begin with nothing.
     fn new(size: Size, seed: u64) -> State {
         let mut rng = Pcg64Mcg::seed_from_u64(seed);
         let mut params = Params::zero(size);
         for (number, layer) in size.layers().iter().enumerate() {
             let (from, _) = size.place(number);
-            let fan_in = (layer.weights() / layer.outputs) as f32;
-            let most = 64.0 * (3.0 / fan_in).sqrt();
-            for w in &mut params.weights[from..][..layer.weights()] {
+            let is_head = number + LEVELS >= size.layers().len();
+            let own = if is_head { layer.own } else { 0 };
+            let fan_in = layer.weights() / layer.outputs - own;
+            let most = 64.0 * (3.0 / fan_in as f32).sqrt();
+            for w in &mut params.weights[from..][..fan_in * layer.outputs] {
                 *w = rng.random_range(-most..most);
             }
         }
@@ -143,11 +192,15 @@ impl State {
         Ok(fs::rename(beside, file)?)
     }
 
-    /// One step of Adam (Kingma and Ba, 2015), then the bound on sums.
-    fn update(&mut self, gradient: &Params, rate: f32) {
+    /// One step of Adam (Kingma and Ba, 2015), whose moments are of the steps from `first` on; then the bound on sums.
+    fn update(&mut self, gradient: &Params, rate: f32, first: u32) {
+        if self.step == first {
+            let size = self.params.size;
+            (self.first, self.second) = (Params::zero(size), Params::zero(size));
+        }
         self.step += 1;
         let (b1, b2) = (0.9f32, 0.99f32);
-        let (c1, c2) = (1.0 - b1.powi(self.step as i32), 1.0 - b2.powi(self.step as i32));
+        let [c1, c2] = [b1, b2].map(|b| 1.0 - b.powi((self.step - first) as i32));
         let all = |params: &mut [f32], first: &mut [f32], second: &mut [f32], gradient: &[f32], unit: f32| {
             for (((p, m), v), g) in params.iter_mut().zip(first).zip(second).zip(gradient) {
                 *m = b1 * *m + (1.0 - b1) * g;
@@ -177,6 +230,14 @@ impl State {
         );
         bound(params);
     }
+}
+
+/// Where the finest heads' weights of what is seen of the pixel itself are.
+fn own_of_heads(size: Size) -> Range<usize> {
+    let number = size.layers().len() - LEVELS;
+    let layer = size.layers()[number];
+    let (from, _) = size.place(number);
+    from + layer.inputs * layer.outputs..from + layer.weights()
 }
 
 /// The bound of `microlux`'s `Weights::new` on each output's weights above 0, and below, once rounded: those that
@@ -248,7 +309,7 @@ pub fn quality(shots: &[Shot], params: Option<(&Params, Mode)>) -> [f64; 2] {
 pub fn run(options: &Options) -> Result<()> {
     let bar = ProgressBar::new(0);
     let recipe = &options.recipe;
-    let until = options.until.unwrap_or(recipe.steps);
+    let until = options.until.unwrap_or(recipe.all());
     let state = by_threads(options.threads, || {
         train(recipe, options.size, until, &options.state, &options.log, &bar)
     })?;
@@ -293,7 +354,8 @@ pub fn train(
     if state.step == 0 {
         writeln!(
             log,
-            "# size {}; {} scenes, {} for validation; steps {}, batch {}, crop {}, rate {}, rounded from {}, seed {}",
+            "# size {}; {} scenes, {} for validation; steps {}, batch {}, crop {}, rate {}, rounded from {}, seed {}; \
+             again {}, rate {}",
             size.name(),
             shots.len(),
             validation.len(),
@@ -302,7 +364,9 @@ pub fn train(
             recipe.crop,
             recipe.rate,
             recipe.rounded_from,
-            recipe.seed
+            recipe.seed,
+            recipe.again,
+            recipe.again_rate
         )?;
         let [one, four] = quality(&validation, None);
         writeln!(
@@ -314,7 +378,7 @@ pub fn train(
             "# step  rate  loss  dB at 1 spp, 4 spp (as rounded at that step)  seconds"
         )?;
     }
-    let last = until.min(recipe.steps);
+    let last = until.min(recipe.all());
     bar.set_length(u64::from(last));
     bar.set_style(ProgressStyle::with_template(
         "{prefix}{wide_bar} {pos}/{len} {per_sec} {eta} {msg}",
@@ -323,14 +387,16 @@ pub fn train(
     let mut losses = Vec::new();
     while state.step < last {
         let step = state.step;
-        let share = step as f32 / recipe.steps as f32;
-        let mode = if share < recipe.rounded_from {
+        let phase = recipe.phase(step);
+        let since = step - phase.first;
+        let share = since as f32 / phase.steps as f32;
+        let mode = if share < phase.rounded_from {
             Mode::Float
         } else {
             Mode::Integer
         };
         let cosine = 0.5 * (1.0 + (std::f32::consts::PI * share).cos());
-        let rate = recipe.rate * ((step + 1) as f32 / 100.0).min(1.0) * (0.99 * cosine + 0.01);
+        let rate = phase.rate * ((since + 1) as f32 / 100.0).min(1.0) * (0.99 * cosine + 0.01);
         let seen = state.params.seen(mode);
         let one = |number: u32| {
             let stream = recipe.seed << 40 | u64::from(step) << 8 | u64::from(number);
@@ -362,7 +428,10 @@ pub fn train(
             sum(&mut gradient.weights, &g.weights);
             sum(&mut gradient.biases, &g.biases);
         }
-        state.update(&gradient, rate);
+        if !phase.own {
+            gradient.weights[own_of_heads(size)].fill(0.0);
+        }
+        state.update(&gradient, rate, phase.first);
         losses.push(loss);
         bar.set_position(u64::from(state.step));
         if state.step % recipe.every == 0 || state.step == last {

@@ -80,7 +80,7 @@ impl Weights<'_> {
         let packed = Packed {
             words: front,
             biases,
-            inputs: layer.inputs,
+            inputs: layer.each(),
         };
         (packed, rest)
     }

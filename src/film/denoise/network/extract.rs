@@ -1,4 +1,4 @@
-use super::input::see;
+use super::input::{Wide, beside, see};
 use super::{CHANNELS, HEAD, Input, LEVELS, Network, Packed, Row, SEEN, Scratch, Shape, exposure};
 use crate::film::Feature;
 use crate::film::denoise::Pair;
@@ -7,7 +7,7 @@ use zerocopy::{FromBytes, IntoBytes};
 impl Network<'_> {
     /// The heads of all sizes, from what `input` says of pixel number i.
     pub fn extract(&mut self, pair: &impl Pair, input: impl Fn(usize) -> Input + Sync) {
-        self.extract_by(pair, |first, row| {
+        let seen = |first, row: Row| {
             let mut before = None;
             row.fill(|x| {
                 let [bright, still @ ..] = input(first + x).words();
@@ -15,7 +15,13 @@ impl Network<'_> {
                 before = Some(still);
                 (bright, differs.then_some(still))
             });
-        });
+        };
+        let beside = |first, row: &mut [Wide]| {
+            for (x, [_, own @ ..]) in row.iter_mut().enumerate() {
+                *own = input(first + x).own();
+            }
+        };
+        self.extract_by(pair, seen, beside);
     }
 
     /// The heads of all sizes of a frame, from how many `samples` are in pixel number i's mean.
@@ -26,14 +32,19 @@ impl Network<'_> {
         samples: impl Fn(usize) -> u32 + Sync,
     ) {
         let exposure = exposure(frame);
-        self.extract_by(pair, |first, row| {
-            let frame = frame.get(first..).unwrap_or(&[]);
-            see(frame, |x| samples(first + x), exposure, row);
-        });
+        let from = |first: usize| frame.get(first..).unwrap_or(&[]);
+        let seen = |first, row: Row| see(from(first), |x| samples(first + x), exposure, row);
+        let beside = |first, row: &mut [Wide]| beside(from(first), |x| samples(first + x), row);
+        self.extract_by(pair, seen, beside);
     }
 
-    /// From what `input` makes of a row from pixel number i on.
-    fn extract_by(&mut self, pair: &impl Pair, input: impl Fn(usize, Row) + Sync) {
+    /// From what `input` makes of a row from pixel number i on, and what `beside` puts beside its activations for the heads.
+    fn extract_by(
+        &mut self,
+        pair: &impl Pair,
+        input: impl Fn(usize, Row) + Sync,
+        beside: impl Fn(usize, &mut [Wide]) + Sync,
+    ) {
         let Network {
             weights,
             shape,
@@ -59,7 +70,7 @@ impl Network<'_> {
             outputs: CHANNELS[0],
         };
         // The finest activations stand where their row's heads will.
-        layer.run(pair, &mut rings, activations[0], see, None);
+        layer.run(pair, &mut rings, activations[0], see, NONE);
         for level in 1..LEVELS {
             let (packed, _) = weights.pack(level, words);
             let [fine, coarse] = neighbours(&mut activations, level - 1);
@@ -72,7 +83,7 @@ impl Network<'_> {
                 inputs,
                 outputs: CHANNELS[level],
             };
-            layer.run(pair, &mut rings, coarse, pool, None);
+            layer.run(pair, &mut rings, coarse, pool, NONE);
         }
 
         // Once more at the coarsest size, in place.
@@ -85,7 +96,7 @@ impl Network<'_> {
             outputs: CHANNELS[bottom],
         };
         let fill = |_: usize, own: &[u8], row: &mut [u8]| row.copy_from_slice(own);
-        layer.run(pair, &mut rings, activations[bottom], fill, None);
+        layer.run(pair, &mut rings, activations[bottom], fill, NONE);
 
         // Up: the coarser size and this one's own activations merged, convolved in place; the finest heads on the way.
         for level in (0..bottom).rev() {
@@ -111,10 +122,11 @@ impl Network<'_> {
                 outputs: own,
             };
             if level > 0 {
-                layer.run(pair, &mut rings, fine, fill, None);
+                layer.run(pair, &mut rings, fine, fill, NONE);
             } else {
                 let (head, _) = weights.pack(11, rest);
-                layer.run(pair, &mut rings, fine, fill, Some(&head));
+                let beside = |y: usize, row: &mut [Wide]| beside(y * width, row);
+                layer.run(pair, &mut rings, fine, fill, Some((&head, &beside)));
             }
         }
 
@@ -148,6 +160,12 @@ fn neighbours<'p>(parts: &'p mut [&mut [u8]; LEVELS], level: usize) -> [&'p mut 
     [&mut *fine[level], &mut *coarse[0]]
 }
 
+/// Heads, and what is put beside a row's activations for them.
+type Top<'a, B> = Option<(&'a Packed<'a>, &'a B)>;
+
+/// Of a layer that activations are made of.
+const NONE: Top<fn(usize, &mut [Wide])> = None;
+
 /// A 3 × 3 layer over a picture.
 struct Convolution<'a> {
     packed: Packed<'a>,
@@ -162,13 +180,13 @@ impl Convolution<'_> {
     ///
     /// A row's outputs are made when it and the next were read, and each half's nearest row is read before the other half
     /// begins.
-    fn run(
+    fn run<B: Fn(usize, &mut [Wide]) + Sync>(
         &self,
         pair: &impl Pair,
         rings: &mut [&mut [u8]; 2],
         plane: &mut [u8],
         fill: impl Fn(usize, &[u8], &mut [u8]) + Sync,
-        head: Option<&Packed>,
+        top: Top<B>,
     ) {
         let Shape { width, height } = self.shape;
         let (seen, made, line) = (self.inputs * width, self.outputs * width, plane.len() / height);
@@ -184,6 +202,7 @@ impl Convolution<'_> {
                 rows: [mut above, mut at, mut below],
                 beyond,
                 out,
+                wide,
             } = ring;
             if let Some(row) = rows.get(..line) {
                 fill(first, row, at);
@@ -202,9 +221,13 @@ impl Convolution<'_> {
                     &*at,
                     if is_last { &*at } else { &*below },
                 ];
-                if let Some(head) = head {
+                if let Some((head, beside)) = top {
                     self.packed.convolve(three, width, out);
-                    head.heads(out, row.as_chunks_mut().0);
+                    beside(y, wide);
+                    for ([own, ..], four) in wide.iter_mut().zip(out.as_chunks().0) {
+                        *own = u32::from_le_bytes(*four);
+                    }
+                    head.heads(wide.as_bytes(), row.as_chunks_mut().0);
                 } else {
                     self.packed.convolve(three, width, &mut row[..made]);
                 }
@@ -225,6 +248,8 @@ struct Ring<'a> {
     beyond: &'a mut [u8],
     /// An output.
     out: &'a mut [u8],
+    /// The finest size's, and what is beside it.
+    wide: &'a mut [Wide],
 }
 
 impl<'a> Ring<'a> {
@@ -233,10 +258,13 @@ impl<'a> Ring<'a> {
         let (at, rest) = rest.split_at_mut(seen);
         let (below, rest) = rest.split_at_mut(seen);
         let (beyond, rest) = rest.split_at_mut(seen);
+        let (out, rest) = rest.split_at_mut(made);
         Ring {
             rows: [above, at, below],
             beyond,
-            out: &mut rest[..made],
+            out,
+            // Three words where an output of the finest size has one: there are always so many, and other layers need none.
+            wide: <[Wide]>::mut_from_bytes(rest.get_mut(..3 * made).unwrap_or(&mut [])).unwrap_or(&mut []),
         }
     }
 }

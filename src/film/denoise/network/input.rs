@@ -35,6 +35,15 @@ impl Input {
         self.0
     }
 
+    /// As [`beside`] has them.
+    pub(super) fn own(self) -> [u32; 2] {
+        let [_, _, _, a0, a1, a2, n0, n1, n2, depth, s] = self.0;
+        if s == 0 {
+            return [0; 2];
+        }
+        [[a0, a1, a2, n0], [n1, n2, depth, s]].map(u32::from_le_bytes)
+    }
+
     /// As [`Row::fill`] takes it.
     pub(super) fn words(self) -> [u32; 3] {
         let [i0, i1, i2, a0, a1, a2, n0, n1, n2, depth, s] = self.0;
@@ -70,21 +79,54 @@ pub(super) fn see(frame: &[Feature], samples: impl Fn(usize) -> u32, exposure: i
     });
 }
 
-/// Bytes: the logarithm of irradiance, depth. A sky is one, wherever it is seen.
+/// A pixel of the finest size as its head is made of: four activations, then its own inputs.
+pub(super) type Wide = [u32; 3];
+
+/// The own inputs of a row of the `frame` from its first pixel on, beside its activations; of no pixel, and of one whose light is
+/// of one sample, they are 0. `samples` are in the mean of the row's pixel number i.
+pub(super) fn beside(frame: &[Feature], samples: impl Fn(usize) -> u32, row: &mut [Wide]) {
+    let mut before = [u32::MAX; 2];
+    let (mut facing, mut count) = (0, 0);
+    for (x, [_, own @ ..]) in row.iter_mut().enumerate() {
+        let samples = samples(x);
+        let Some(pixel) = frame.get(x).filter(|_| samples > 1) else {
+            *own = [0; 2];
+            continue;
+        };
+        let [albedo, normal] = words(pixel).map(u32::from_le);
+        let now = [normal & 0xffff, samples];
+        if now != before {
+            facing = u32::from_le_bytes(direction(pixel.normal));
+            count = counted(samples);
+            before = now;
+        }
+        *own = [
+            albedo >> 2 & 0x3f_3f3f | facing << 24,
+            facing >> 8 | u32::from(depth(pixel) >> 2) << 16 | count << 24,
+        ];
+    }
+}
+
+/// Bytes: the logarithm of irradiance, depth.
 #[inline(always)]
 fn bright(feature: &Feature, exposure: i32) -> u32 {
-    let depth = if feature.shows_nothing() {
-        DEPTH_NOTHING
-    } else {
-        feature.depth
-    };
     let light = feature.irradiance;
     let logarithms = if light.0 << 5 == 0 {
         0
     } else {
         logarithms(light, exposure)
     };
-    logarithms | u32::from(depth >> 2) << 24
+    logarithms | u32::from(depth(feature) >> 2) << 24
+}
+
+/// A sky is one, wherever it is seen.
+#[inline(always)]
+fn depth(feature: &Feature) -> u8 {
+    if feature.shows_nothing() {
+        DEPTH_NOTHING
+    } else {
+        feature.depth
+    }
 }
 
 /// Bytes: the logarithm of irradiance. A core of few registers has them for it.
@@ -229,6 +271,38 @@ mod tests {
             Input::new(&Feature::default(), 0, 0).0,
             [0, 0, 0, 0, 0, 0, 32, 32, 63, 0, 0]
         );
+    }
+
+    #[test]
+    fn what_is_beside_activations_is_an_inputs_own() {
+        let mut state = 5u32;
+        let mut random = || {
+            state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+            state ^ (state >> 15)
+        };
+        // Side by side often alike but for one thing.
+        let mut frame = [Feature::default(); 400];
+        let mut samples = [0; 400];
+        for at in 1..frame.len() {
+            (frame[at], samples[at]) = (frame[at - 1], samples[at - 1]);
+            let [a, b, c, d] = random().to_le_bytes();
+            match random() % 6 {
+                0 => frame[at].albedo = [a, b, c],
+                1 => frame[at].normal = Octahedral([a as i8, b as i8]),
+                2 => frame[at].depth = [a, DEPTH_NOTHING][usize::from(b & 1)],
+                3 => frame[at].id = [u16::from(a), ID_NOTHING, first_id(ID_NOTHING, 1)][usize::from(d % 3)],
+                4 => samples[at] = u32::from(d % 5),
+                _ => {}
+            }
+        }
+        let mut row = [[7; 3]; 402];
+        beside(&frame, |x| samples.get(x).copied().unwrap_or(9), &mut row);
+        for (at, [first, own @ ..]) in row.into_iter().enumerate() {
+            let wanted = frame.get(at).map(|pixel| Input::new(pixel, samples[at], 0).own());
+            assert_eq!((first, own), (7, wanted.unwrap_or([0; 2])), "{at}");
+        }
+        let counts = [0, 1, 2].map(|samples| Input::new(&frame[399], samples, 0).own() == [0; 2]);
+        assert_eq!(counts, [true, true, false]);
     }
 
     #[test]

@@ -1,5 +1,5 @@
-use super::input::LIGHTS;
-use super::{CHANNELS, HEAD, INPUTS, LEVELS};
+use super::input::OWN;
+use super::{CHANNELS, HEAD, LEVELS, LIGHTS};
 
 /// Weights of all layers together.
 pub const WEIGHTS: usize = {
@@ -37,6 +37,15 @@ pub struct Layer {
 }
 
 impl Layer {
+    /// Inputs that stand side by side at a tap: its own, too, where there is no other tap.
+    pub(super) const fn each(&self) -> usize {
+        if self.taps == 1 {
+            self.inputs + self.own
+        } else {
+            self.inputs
+        }
+    }
+
     /// How many weights it has.
     pub const fn weights(&self) -> usize {
         (self.taps * self.inputs + self.own) * self.outputs
@@ -61,7 +70,7 @@ pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
     [
         // But for light a pixel's neighbours differ from it only where things end, which the coarser sizes tell.
         Layer {
-            own: INPUTS - LIGHTS,
+            own: OWN,
             ..layer(9, LIGHTS, c[0])
         },
         layer(9, c[0], c[1]),
@@ -74,7 +83,11 @@ pub const fn layers(c: [usize; LEVELS]) -> [Layer; 15] {
         layer(9, c[1], c[1]),
         layer(1, c[1] + c[0], c[0]),
         layer(9, c[0], c[0]),
-        layer(1, c[0], HEAD),
+        // What a pixel is tells it apart better than four activations do.
+        Layer {
+            own: OWN,
+            ..layer(1, c[0], HEAD)
+        },
         layer(1, c[1], HEAD),
         layer(1, c[2], HEAD),
         layer(1, c[3], HEAD),

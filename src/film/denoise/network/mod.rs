@@ -38,6 +38,7 @@ mod packed;
 mod plain;
 mod weights;
 
+use input::OWN;
 pub use input::{INPUTS, Input, LIGHTS, exposure, irradiance};
 pub use layer::{BIASES, LAYERS, Layer, WEIGHTS, Weights, WeightsError, layers};
 pub use mean::EXP;
@@ -191,6 +192,8 @@ impl Shape {
             most = max(most, 5 * CHANNELS[level] * Shape::of(width, 1, level).width);
             level += 1;
         }
+        // Enough for the finest heads: five rows, and one of what they are made of.
+        assert!(4 * SEEN >= 4 * CHANNELS[0] + CHANNELS[0] + OWN);
         most
     }
 }

@@ -52,7 +52,7 @@ impl Weights<'_> {
             words: front,
             biases,
             products,
-            inputs: layer.inputs,
+            inputs: layer.each(),
         };
         (packed, rest)
     }
