@@ -11,7 +11,7 @@
 //! out[l] = raised + blend · (filtered[l] − raised)
 //! ```
 //!
-//! At an outline the finest size's mean has a quarter of another thing's light, and half of the blend; light of one sample is
+//! At an outline the finest size's mean has a quarter of another thing's light, and half of the blend; light of one frame is
 //! smoothed once more, within one thing (`last`).
 //!
 //! After Işık et al., "Interactive Monte Carlo Denoising using Affinity of Neural Features", 2021 (pairwise affinity), and

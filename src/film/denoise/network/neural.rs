@@ -114,10 +114,11 @@ impl<'a> Neural<'a> {
         let is_one =
             |at: usize| lengths.get(at) == Some(&1) && frame.get(at).is_some_and(|pixel| !keeps(pixel));
         let before = &*light;
+        let luma = last::luma(self.samples);
         halves(pair, made, width, |first, rows| {
             for (at, made) in (first * width..).zip(rows) {
                 if is_one(at) {
-                    *made = last::smooth(frame, before, width, at);
+                    *made = last::smooth(frame, before, width, at, luma);
                 }
             }
         });
@@ -150,7 +151,7 @@ impl Filter for Neural<'_> {
         let denoise::Scratch { light, rest } = scratch;
         if self.run(pair, frame, lengths, light, rest).is_err() {
             light.fill(Rgb9e5::BLACK);
-        } else if self.samples == 1 {
+        } else {
             self.smooth(pair, frame, lengths, light, rest);
         }
     }
