@@ -70,7 +70,7 @@ impl Network<'_> {
             outputs: CHANNELS[0],
         };
         // The finest activations stand where their row's heads will.
-        layer.run(pair, &mut rings, activations[0], see, NONE);
+        layer.run(pair, &mut rings, activations[0], see, Plain);
         for level in 1..LEVELS {
             let (packed, _) = weights.pack(level, words);
             let [fine, coarse] = neighbours(&mut activations, level - 1);
@@ -83,7 +83,7 @@ impl Network<'_> {
                 inputs,
                 outputs: CHANNELS[level],
             };
-            layer.run(pair, &mut rings, coarse, pool, NONE);
+            layer.run(pair, &mut rings, coarse, pool, Plain);
         }
 
         // Once more at the coarsest size, in place.
@@ -96,7 +96,7 @@ impl Network<'_> {
             outputs: CHANNELS[bottom],
         };
         let fill = |_: usize, own: &[u8], row: &mut [u8]| row.copy_from_slice(own);
-        layer.run(pair, &mut rings, activations[bottom], fill, NONE);
+        layer.run(pair, &mut rings, activations[bottom], fill, Plain);
 
         // Up: the coarser size and this one's own activations merged, convolved in place; the finest heads on the way.
         for level in (0..bottom).rev() {
@@ -122,11 +122,11 @@ impl Network<'_> {
                 outputs: own,
             };
             if level > 0 {
-                layer.run(pair, &mut rings, fine, fill, NONE);
+                layer.run(pair, &mut rings, fine, fill, Plain);
             } else {
                 let (head, _) = weights.pack(11, rest);
                 let beside = |y: usize, row: &mut [Wide]| beside(y * width, row);
-                layer.run(pair, &mut rings, fine, fill, Some((&head, &beside)));
+                layer.run(pair, &mut rings, fine, fill, Finest { head, beside });
             }
         }
 
@@ -160,11 +160,42 @@ fn neighbours<'p>(parts: &'p mut [&mut [u8]; LEVELS], level: usize) -> [&'p mut 
     [&mut *fine[level], &mut *coarse[0]]
 }
 
-/// Heads, and what is put beside a row's activations for them.
-type Top<'a, B> = Option<(&'a Packed<'a>, &'a B)>;
+/// What becomes of a layer's activations.
+trait Top: Sync {
+    /// Whether it is heads.
+    const HEADS: bool;
 
-/// Of a layer that activations are made of.
-const NONE: Top<fn(usize, &mut [Wide])> = None;
+    /// The heads of row y from its activations; `wide` has a place for each pixel.
+    fn heads(&self, y: usize, activations: &[u8], wide: &mut [Wide], heads: &mut [[u8; HEAD]]);
+}
+
+/// They stay.
+struct Plain;
+
+impl Top for Plain {
+    const HEADS: bool = false;
+
+    fn heads(&self, _: usize, _: &[u8], _: &mut [Wide], _: &mut [[u8; HEAD]]) {}
+}
+
+/// The finest heads, and what puts a row's own inputs beside its activations.
+struct Finest<'a, B> {
+    head: Packed<'a>,
+    beside: B,
+}
+
+impl<B: Fn(usize, &mut [Wide]) + Sync> Top for Finest<'_, B> {
+    const HEADS: bool = true;
+
+    #[inline(always)]
+    fn heads(&self, y: usize, activations: &[u8], wide: &mut [Wide], heads: &mut [[u8; HEAD]]) {
+        (self.beside)(y, wide);
+        for ([own, ..], four) in wide.iter_mut().zip(activations.as_chunks().0) {
+            *own = u32::from_le_bytes(*four);
+        }
+        self.head.heads(wide.as_bytes(), heads);
+    }
+}
 
 /// A 3 × 3 layer over a picture.
 struct Convolution<'a> {
@@ -180,13 +211,13 @@ impl Convolution<'_> {
     ///
     /// A row's outputs are made when it and the next were read, and each half's nearest row is read before the other half
     /// begins.
-    fn run<B: Fn(usize, &mut [Wide]) + Sync>(
+    fn run<T: Top>(
         &self,
         pair: &impl Pair,
         rings: &mut [&mut [u8]; 2],
         plane: &mut [u8],
         fill: impl Fn(usize, &[u8], &mut [u8]) + Sync,
-        top: Top<B>,
+        top: T,
     ) {
         let Shape { width, height } = self.shape;
         let (seen, made, line) = (self.inputs * width, self.outputs * width, plane.len() / height);
@@ -221,13 +252,9 @@ impl Convolution<'_> {
                     &*at,
                     if is_last { &*at } else { &*below },
                 ];
-                if let Some((head, beside)) = top {
+                if T::HEADS {
                     self.packed.convolve(three, width, out);
-                    beside(y, wide);
-                    for ([own, ..], four) in wide.iter_mut().zip(out.as_chunks().0) {
-                        *own = u32::from_le_bytes(*four);
-                    }
-                    head.heads(wide.as_bytes(), row.as_chunks_mut().0);
+                    top.heads(y, out, wide, row.as_chunks_mut().0);
                 } else {
                     self.packed.convolve(three, width, &mut row[..made]);
                 }
