@@ -352,11 +352,7 @@ impl Clean<'_> {
         mut guide: impl FnMut(u16, u16) -> Feature,
         show: impl FnMut(u16, Row),
     ) {
-        let coarse = Coarse {
-            size: self.size,
-            frame: self.frame,
-            light: self.light,
-        };
+        let coarse = self.coarse();
         let mut turns = Turns::default();
         let make = |y: u16, row: &mut [Seen]| {
             let lines = coarse.lines(y);
@@ -376,6 +372,14 @@ impl Clean<'_> {
         go_down(rows, self.size.times(2), ring, make, show);
     }
 
+    fn coarse(&self) -> Coarse<'_> {
+        Coarse {
+            size: self.size,
+            frame: self.frame,
+            light: self.light,
+        }
+    }
+
     /// The same of a picture three times as wide and high.
     pub fn rows_3x(
         &self,
@@ -384,11 +388,7 @@ impl Clean<'_> {
         mut guide: impl FnMut(u16, u16) -> Feature,
         show: impl FnMut(u16, Row),
     ) {
-        let coarse = Coarse {
-            size: self.size,
-            frame: self.frame,
-            light: self.light,
-        };
+        let coarse = self.coarse();
         let mut turns = Turns::default();
         let make = |y: u16, row: &mut [Seen]| {
             let lines = coarse.lines_3x(y);
