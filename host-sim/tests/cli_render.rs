@@ -356,6 +356,26 @@ fn a_denoised_picture_is_another_and_the_same_whoever_renders_it() {
         .stderr(contains("only direct and path can be denoised"));
 }
 
+#[test]
+fn a_size_that_nobody_asked_for_is_a_multiple() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = |args: &[&str]| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_host-sim"));
+        program
+            .current_dir(&folder)
+            .args(["render", "spheres", "--spp", "1", "-q", "-o", "a.png"]);
+        program.args(args).assert().success();
+        png(&folder.path().join("a.png")).dimensions()
+    };
+    let (width, height) = size(&["--upscale", "3"]);
+    assert!(width % 3 == 0 && height % 3 == 0, "{width} x {height}");
+    // Its shape is kept as nearly as can be.
+    let (width, height) = size(&["--upscale", "3", "--width", "30"]);
+    assert!(width == 30 && height % 3 == 0, "{width} x {height}");
+    let (width, height) = size(&["--upscale", "3", "--height", "30"]);
+    assert!(height == 30 && width % 3 == 0, "{width} x {height}");
+}
+
 /// Even light is as bright with a quarter and a ninth of the pixels; each way is another picture.
 #[test]
 fn a_picture_of_fewer_pixels_is_as_bright() {

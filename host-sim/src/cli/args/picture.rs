@@ -48,7 +48,8 @@ pub struct Settings {
     /// Take the noise away as a board would, for pictures of few samples
     #[arg(long, value_enum, default_value_t = DenoiseArg::Off, value_name = "FILTER")]
     pub denoise: DenoiseArg,
-    /// Render every N-th pixel and row only, and fill in what lies between, led by what is seen there
+    /// Render every N-th pixel and row only, and fill in what lies between, led by what is seen there; --width and --height
+    /// are multiples of N, and become so where they are not given
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=3))]
     pub upscale: u32,
 }
@@ -149,11 +150,17 @@ impl Settings {
             let exact = f64::from(side) * f64::from(to) / f64::from(of.max(1));
             (exact.round() as u32).clamp(1, MAX_SIDE)
         };
+        // Sides that nobody asked for.
+        let upscale = self.upscale.max(1);
+        let fitting = |side: u32| match side.next_multiple_of(upscale) {
+            more if more > MAX_SIDE => side - side % upscale,
+            more => more,
+        };
         let (width, height) = match (self.width, self.height) {
             (Some(width), Some(height)) => (width, height),
-            (Some(width), None) => (width, scaled(own.height, own.width, width)),
-            (None, Some(height)) => (scaled(own.width, own.height, height), height),
-            (None, None) => (own.width, own.height),
+            (Some(width), None) => (width, fitting(scaled(own.height, own.width, width))),
+            (None, Some(height)) => (fitting(scaled(own.width, own.height, height)), height),
+            (None, None) => (fitting(own.width), fitting(own.height)),
         };
         Options {
             width,
@@ -168,7 +175,7 @@ impl Settings {
             tile_height: self.tile_height.unwrap_or(own.tile_height),
             cleaning: Cleaning {
                 denoise: self.denoise.into(),
-                upscale: self.upscale.max(1),
+                upscale,
                 taa: false,
             },
             ..own
