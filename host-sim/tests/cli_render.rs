@@ -376,7 +376,7 @@ fn a_size_that_nobody_asked_for_is_a_multiple() {
     assert!(height == 30 && width % 3 == 0, "{width} x {height}");
 }
 
-/// Even light is as bright with a quarter and a ninth of the pixels; each way is another picture.
+/// By a quarter and a ninth of the pixels, each another picture.
 #[test]
 fn a_picture_of_fewer_pixels_is_as_bright() {
     let folder = tempfile::tempdir().unwrap();

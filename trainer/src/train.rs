@@ -8,13 +8,12 @@ use std::time::Instant;
 
 use anyhow::{Context, Result, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
+use microlux::film::denoise::network::LEVELS;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use rayon::prelude::*;
 
 use crate::data::{SAMPLES, Shot};
-use microlux::film::denoise::network::LEVELS;
-
 use crate::nn::{self, Mode, Params};
 use crate::picture::{self, Picture};
 use crate::scenes::Split;
@@ -135,8 +134,7 @@ impl State {
         let mut params = Params::zero(size);
         for (number, layer) in size.layers().iter().enumerate() {
             let (from, _) = size.place(number);
-            let is_head = number + LEVELS >= size.layers().len();
-            let own = if is_head { layer.own } else { 0 };
+            let own = if layer.taps == 1 { layer.own } else { 0 };
             let fan_in = layer.weights() / layer.outputs - own;
             let most = 64.0 * (3.0 / fan_in as f32).sqrt();
             for w in &mut params.weights[from..][..fan_in * layer.outputs] {
@@ -478,6 +476,32 @@ mod tests {
             depth: vec![80.0; size],
             samples: 2,
             exposure: 0,
+        }
+    }
+
+    /// What heads know of a pixel itself begins with nothing, and moments begin anew where a phase does.
+    #[test]
+    fn a_phase_begins_with_nothing() {
+        for size in Size::ALL {
+            let mut state = State::new(size, 5);
+            let own = own_of_heads(size);
+            assert_eq!(own.len(), 8 * 8);
+            let (before, after) = (own.start - 1, own.end);
+            let [before, after] = [before, after].map(|at| state.params.weights[at]);
+            assert!(before != 0.0 && after != 0.0);
+            assert!(state.params.weights[own].iter().all(|w| *w == 0.0));
+
+            // Two steps the one way; two of another phase the other way are as long.
+            let mut gradient = Params::zero(size);
+            let place = |state: &State| state.params.biases[0];
+            let mut walk = |by: f32, first: u32| {
+                gradient.biases[0] = by;
+                let from = place(&state);
+                (0..2).for_each(|_| state.update(&gradient, 0.01, first));
+                place(&state) - from
+            };
+            let (there, back) = (walk(1.0, 0), walk(-1.0, 2));
+            assert!(there < -1.0 && there + back == 0.0, "{there} {back}");
         }
     }
 

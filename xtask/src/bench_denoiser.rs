@@ -48,8 +48,9 @@ fn text(header: &Header, rows: &[Value]) -> Result<String> {
     );
     text += "The second of two frames of the Cornell box, 80 × 60 pixels, *direct*, one sample each, the camera moving, by one core,\n\
         counted in QEMU: instructions a rendered pixel, and cycles of a Cortex-M0+ without wait states. Four pixels are shown for\n\
-        each, or nine. Two runs were equal, and every core's picture is this computer's, by its CRC-32. What is not of the denoiser stands\n\
-        below the sums, and what a picture takes that is shown at the size it is rendered. All have the feature `asm`.\n\n| stage |";
+        each, or nine. Two runs were equal, and every core's picture is this computer's, by its CRC-32. What is not of the\n\
+        denoiser stands below the sums, and what a picture takes that is shown at the size it is rendered. All have the feature\n\
+        `asm`.\n\n| stage |";
     let mut lines = Vec::new();
     for row in rows {
         write!(

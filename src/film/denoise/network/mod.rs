@@ -11,6 +11,8 @@
 //! out[l] = raised + blend · (filtered[l] − raised)
 //! ```
 //!
+//! A finest head is made of what the network tells and of what its pixel is, unless that one's light is of one sample.
+//!
 //! At an outline the finest size's mean has a quarter of another thing's light, and half of the blend; light of one frame is
 //! smoothed once more, within one thing (`last`).
 //!
