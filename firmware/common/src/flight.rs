@@ -53,11 +53,11 @@ impl Form {
 
     /// Pixels that are shown.
     pub const fn width(self) -> usize {
-        self.scale as usize * self.size.width as usize
+        self.size.times(self.scale).width as usize
     }
 
     pub const fn height(self) -> usize {
-        self.scale as usize * self.size.height as usize
+        self.size.times(self.scale).height as usize
     }
 }
 
@@ -247,5 +247,84 @@ impl<'m, const SCALE: u16> Flight<'m, SCALE> {
         let rows = Seen::over(self.neural.memory());
         let (ring, other) = rows.split_at_mut(rows.len() / 2);
         pair.both(|| raise(ring), || raise(other));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use std::{boxed::Box, sync::Mutex, vec, vec::Vec};
+
+    use microlux::film::denoise::Alone;
+
+    use super::*;
+    use crate::stage::Cornell;
+
+    /// The second worker first.
+    struct Backwards;
+
+    impl Pair for Backwards {
+        fn both(&self, one: impl FnOnce() + Send, other: impl FnOnce() + Send) {
+            other();
+            one();
+        }
+    }
+
+    /// Frames of a form, row by row as they came.
+    fn shown<const WIDTH: usize, const SCALE: u16>(
+        mut flight: Flight<SCALE>,
+        pair: &impl Pair,
+        form: Form,
+    ) -> Vec<Vec<Vec<u16>>> {
+        let mut cornell = Cornell::new().unwrap();
+        let (scene, camera) = cornell.scene().unwrap();
+        let stage = Stage {
+            scene: &scene,
+            camera,
+        };
+        let one = |number| {
+            let rows = Mutex::new(vec![Vec::new(); form.height()]);
+            flight.frame(pair, &stage, Way::Neural, number, &|y, row: &[u16; WIDTH]| {
+                let place = &mut rows.lock().unwrap()[y];
+                assert!(place.is_empty(), "row {y} came twice");
+                place.extend(row);
+            });
+            rows.into_inner().unwrap()
+        };
+        (0..2).map(one).collect()
+    }
+
+    /// Each row comes once and whole, the same whoever works first, and shows the box.
+    fn is_whole<const WIDTH: usize, const SCALE: u16, const P: usize, const L: usize, const W: usize>(
+        form: Form,
+        mut room: Box<Room<P, L, W>>,
+    ) -> Vec<Vec<u16>> {
+        let mut frames = shown::<WIDTH, SCALE>(Flight::new(form.size, &mut room).unwrap(), &Alone, form);
+        let other = shown::<WIDTH, SCALE>(Flight::new(form.size, &mut room).unwrap(), &Backwards, form);
+        assert!(frames == other, "{form:?}");
+        assert!(frames[0] != frames[1], "{form:?}: the camera moves");
+        for rows in &frames {
+            assert!(rows.iter().all(|row| row.len() == form.width()), "{form:?}");
+            let lit = |x: usize| rows.iter().filter(|row| row[x] != 0).count();
+            // The box is as wide as it is high.
+            let (middle, aside) = (form.width() / 2, form.height() * 2 / 5);
+            for x in [middle - aside, middle, middle + aside] {
+                assert!(lit(x) > form.height() / 2, "{form:?}, column {x}: {}", lit(x));
+            }
+        }
+        frames.remove(1)
+    }
+
+    #[test]
+    fn every_form_shows_whole_frames() {
+        is_whole::<{ SMALL.width() }, { SMALL.scale }, _, _, _>(SMALL, Box::new(SmallRoom::EMPTY));
+        let full = is_whole::<{ FULL.width() }, { FULL.scale }, _, _, _>(FULL, Box::new(FullRoom::EMPTY));
+        let fine = is_whole::<{ FINE.width() }, { FINE.scale }, _, _, _>(FINE, Box::new(FineRoom::EMPTY));
+        // The same view by fewer pixels and by more: green, 64ths.
+        let pairs = full.iter().flatten().zip(fine.iter().flatten());
+        let off = pairs.map(|(a, b)| u32::from((a >> 5 & 63).abs_diff(b >> 5 & 63)));
+        let mean = f64::from(off.sum::<u32>()) / (240.0 * 240.0);
+        assert!(mean < 1.0, "{mean}");
     }
 }

@@ -16,8 +16,6 @@ const FRAMES: u32 = 80;
 const SIZE: Size = Size { width: 7, height: 4 };
 const PIXELS: usize = SIZE.pixels();
 
-/// Of one thing or a few, turned and painted alike or not, near or far, lamps and nothing; of light that is alike or not, as
-/// bright and as dark as can be.
 pub(crate) fn twice() -> u32 {
     raised(2)
 }
@@ -26,6 +24,8 @@ pub(crate) fn thrice() -> u32 {
     raised(3)
 }
 
+/// Of one thing or a few, turned and painted alike or not, near or far, lamps and nothing; of light that is alike or not, as
+/// bright and as dark as can be.
 #[inline(never)]
 fn raised(scale: u16) -> u32 {
     let mut random = Xorshift::new(0x2545_f491);
