@@ -348,7 +348,7 @@ pub struct ReportArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
     pub spp: Option<u32>,
     /// Samples a pixel of the f64 reference, which is rendered twice to know its noise [default: 4 times --spp]; of the
-    /// fixed-point one with --denoisers [default: 256; 32 with --quick]
+    /// fixed-point one with --denoisers [default: 256; 32 with --quick], 16 times as many for the still camera
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=MAX_SPP))]
     pub reference_spp: Option<u32>,
     /// Pixels across [default: the scene's, at most 128, 64 with --quick; with --denoisers 80, 40 with --quick]

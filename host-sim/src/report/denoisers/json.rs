@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::check::checks;
-use super::{DOMAIN, Part, Report, Summary, Tried, Uncovered};
+use super::{DOMAIN, Part, Report, Summary, Tried, Uncovered, still_spp};
 use crate::metrics::Metrics;
 
 /// All of the numbers; what was not measured is not there.
@@ -33,6 +33,7 @@ pub fn json(report: &Report) -> Value {
         "domain": DOMAIN,
         "oidn": report.has_oidn,
         "reference_spp": report.reference_spp,
+        "still_reference_spp": still_spp(report.reference_spp),
         "seed": report.seed,
         "checks": checks.collect::<Vec<_>>(),
         "means": report.summaries().iter().map(summary).collect::<Vec<_>>(),

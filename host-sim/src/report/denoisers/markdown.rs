@@ -16,11 +16,7 @@ pub fn markdown(report: &Report) -> String {
 fn write(text: &mut String, report: &Report) -> std::fmt::Result {
     writeln!(text, "**{DOMAIN}**\n")?;
     let scenes = report.scenes.iter().filter(|scene| scene.outcome.is_ok()).count();
-    writeln!(
-        text,
-        "{scenes} scenes, references of {} samples a pixel.",
-        report.reference_spp
-    )?;
+    writeln!(text, "{scenes} scenes, references of {}.", report.references())?;
     for summary in report.summaries() {
         let is_clip = summary.kind.is_clip();
         writeln!(text, "\n{}:\n", summary.kind.title())?;

@@ -9,7 +9,7 @@ use microlux::film::denoise::{Clean, Size};
 
 use super::motion::{Befores, Signals, flicker, signals};
 use super::stage::{Frame, Light, Reference, Stage, guided, linear, lit};
-use super::{FRAMES, Kind, Method, Part, Report, Request, SceneReport, Subject, Tried, Uncovered};
+use super::{FRAMES, Kind, Method, Part, Report, Request, SceneReport, Subject, Tried, Uncovered, still_spp};
 use crate::animate::between;
 use crate::classical::{self, Guides};
 use crate::clean::{self, Cleaned, Cleaning, Denoise, Frames};
@@ -63,10 +63,11 @@ pub fn measure(request: &Request, progress: &dyn Progress, cancel: &AtomicBool) 
     })
 }
 
-/// Samples of a scene: its still, the frames of the flight, the large picture.
+/// Samples of a scene's references: its still, the frames of the flight, the large picture.
 fn samples(request: &Request, subject: &Subject) -> usize {
     let pixels = subject.options.width as usize * subject.options.height as usize;
-    pixels * request.reference_spp as usize * (1 + FRAMES + 4)
+    let spp = request.reference_spp;
+    pixels * (still_spp(spp) as usize + spp as usize * (FRAMES + 4))
 }
 
 /// Why a scene's numbers are not there.
@@ -111,7 +112,7 @@ impl Bench<'_> {
     fn parts(&self, stage: &Stage, camera: Camera) -> Outcome<Vec<Part>> {
         let size = [stage.options.width as u16, stage.options.height as u16];
         let spp = self.request.reference_spp;
-        let reference = stage.reference(camera, size, spp, 0)?;
+        let reference = stage.reference(camera, size, still_spp(spp), 0)?;
         let clean = stage.frame(camera, size, CLEAN, 1 << 15)?;
         let mut parts = Vec::new();
         for spp in [1, 4] {

@@ -23,6 +23,8 @@ use crate::run::Options;
 
 /// Frames of a clip.
 pub const FRAMES: usize = 8;
+/// How many times the samples of other references that of the still camera has, by which single frames are judged.
+const STILL: u32 = 16;
 /// How far the camera goes from each frame to the next: pixels, in the mean of what is not infinitely far.
 pub const STEPS: [f64; FRAMES - 1] = [1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0];
 /// Pixels without history that a scene must have for its own number of them, all frames together.
@@ -35,10 +37,15 @@ pub const DOMAIN: &str = "The scenes are this renderer's own. Open Image Denoise
 /// What the page is to be about.
 pub struct Request {
     pub scenes: Vec<Subject>,
-    /// Samples a pixel of each of the references.
+    /// Samples a pixel of each of the references, but that of the still camera: see [`still_spp`].
     pub reference_spp: u32,
     /// The peer, where it is installed.
     pub oidn: Option<Oidn>,
+}
+
+/// Samples a pixel of the still camera's reference, 65536 at most.
+fn still_spp(reference_spp: u32) -> u32 {
+    (STILL * reference_spp).min(1 << 16)
 }
 
 /// A scene to be looked at.
@@ -237,6 +244,15 @@ pub struct Row {
 }
 
 impl Report {
+    /// How many samples the references have.
+    fn references(&self) -> String {
+        let Self { reference_spp, .. } = self;
+        format!(
+            "{reference_spp} samples a pixel, of the still camera {}",
+            still_spp(*reference_spp)
+        )
+    }
+
     /// The parts of a kind, of the scenes that were rendered.
     fn parts(&self, kind: Kind) -> impl Iterator<Item = &Part> {
         let parts = self.scenes.iter().filter_map(|scene| scene.outcome.as_ref().ok());
@@ -408,6 +424,9 @@ mod tests {
         assert_eq!(told, ["Not rendered: no <such> thing"]);
         assert!(html.contains("1 of 3 bars are met, 17 not measured"));
         assert_eq!(json(&report)["scenes"][2]["skipped"], "no <such> thing");
-        assert!(markdown(&report).contains("\n2 scenes, references of 4 samples a pixel.\n"));
+        assert!(
+            markdown(&report)
+                .contains("\n2 scenes, references of 4 samples a pixel, of the still camera 64.\n")
+        );
     }
 }

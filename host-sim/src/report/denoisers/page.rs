@@ -36,7 +36,7 @@ struct Page {
     frames: usize,
     steps: String,
     enough: usize,
-    reference_spp: u32,
+    references: String,
 }
 
 struct CheckLine {
@@ -110,7 +110,7 @@ impl Page {
             frames: FRAMES,
             steps: STEPS.map(|step| step.to_string()).join(", "),
             enough: UNCOVERED,
-            reference_spp: report.reference_spp,
+            references: report.references(),
         }
     }
 }
@@ -118,9 +118,9 @@ impl Page {
 fn settings(report: &Report) -> String {
     let rendered = report.scenes.len() - report.skipped().count();
     format!(
-        "{rendered} scene{} · references of {} samples a pixel · seed {}",
+        "{rendered} scene{} · references of {} · seed {}",
         if rendered == 1 { "" } else { "s" },
-        report.reference_spp,
+        report.references(),
         report.seed
     )
 }
