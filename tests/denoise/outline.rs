@@ -87,7 +87,7 @@ fn places() -> impl Iterator<Item = (usize, usize)> {
 /// Squared error about outlines, mixed and as it was, of the step's square: for `samples` of each pixel by chance.
 fn errors(samples: u32, random: &mut Random, shown: impl Fn(&[Feature]) -> Vec<f64>) -> [f64; 2] {
     let mut sums = [0.0; 2];
-    for _ in 0..60 {
+    for _ in 0..200 {
         let half = Half::any(random);
         let sampled = |(x, y): (usize, usize)| {
             let mut anywhere = || f64::from(random.bits()) / 2f64.powi(32);
@@ -101,6 +101,11 @@ fn errors(samples: u32, random: &mut Random, shown: impl Fn(&[Feature]) -> Vec<f
         let frame: Vec<Feature> = places().map(sampled).collect();
         let mixed = shown(&frame);
         for (((x, y), pixel), mixed) in places().zip(&frame).zip(mixed) {
+            // Where a pixel has all of its neighbours.
+            let [last, lowest] = [SIZE.width, SIZE.height].map(|side| usize::from(side) - 1);
+            if x % last == 0 || y % lowest == 0 {
+                continue;
+            }
             let truth = half.share(x, y);
             let own = value(pixel.radiance())[0];
             for (sum, seen) in sums.iter_mut().zip([mixed, own]) {
@@ -114,11 +119,10 @@ fn errors(samples: u32, random: &mut Random, shown: impl Fn(&[Feature]) -> Vec<f
 #[test]
 fn outlines_are_off_by_as_little_as_the_formula_says() {
     let mut random = Random(1);
-    for (samples, meant) in [(1, 0.25), (2, 0.54), (4, 0.67)] {
+    for (samples, meant) in [(1, 0.25), (2, 0.49), (4, 0.53), (8, 0.57), (16, 0.65)] {
         let [mixed, own] = errors(samples, &mut random, |frame| shown(frame, 1, samples as u8));
         let quotient = mixed / own;
-        // The formula, that of more than one sample, is of outlines along an axis, and of all that are seen.
-        assert!((quotient / meant - 1.0).abs() < 0.1, "{samples}: {quotient}");
+        assert!((quotient / meant - 1.0).abs() < 0.06, "{samples}: {quotient}");
     }
 }
 
@@ -168,8 +172,11 @@ fn outlines_of_middles_are_off_by_as_little_as_the_formula_says() {
 
 #[test]
 fn what_is_known_well_is_left_alone() {
-    let mut random = Random(2);
-    let half = Half::any(&mut random);
+    // What a straight outline's neighbours blur are its ends: one that is steep has some.
+    let half = Half {
+        normal: [0.8, 0.6],
+        offset: 20.0,
+    };
     let frame: Vec<Feature> = places()
         .map(|(x, y)| {
             let share = half.share(x, y);
@@ -182,11 +189,11 @@ fn what_is_known_well_is_left_alone() {
         let steps = seen.iter().zip(&own).map(|(seen, own)| (seen - own).abs());
         steps.fold(0.0, f64::max) / LIGHT
     };
-    let steps = [(1, 2), (1, 4), (1, 8), (4, 1), (16, 8)].map(|(spp, frames)| step(spp, frames));
+    let steps = [(1, 2), (1, 4), (1, 8), (4, 8), (16, 2)].map(|(spp, frames)| step(spp, frames));
     assert!(steps.is_sorted_by(|a, b| a >= b), "{steps:?}");
     assert!(steps[0] > 0.1 && steps[2] > 0.01, "{steps:?}");
-    // Four samples of one frame know enough. Nine bits are what light is kept in.
-    assert!(steps[3] < 0.002, "{steps:?}");
+    // Sixteen samples of two frames, worth 128, know enough. Nine bits are what light is kept in.
+    assert!(steps[3] > 0.01 && steps[4] < 0.002, "{steps:?}");
 }
 
 #[test]

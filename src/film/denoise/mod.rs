@@ -35,7 +35,7 @@ pub use upsample::{upsample, upsample_3x};
 
 use core::ops::Range;
 
-use self::outline::{go_down, worth};
+use self::outline::{MIDDLE, go_down, worth};
 use self::upsample::Coarse;
 use self::weight::Turns;
 use super::Feature;
@@ -335,7 +335,11 @@ impl Clean<'_> {
                 *seen = match (self.frame.get(place), self.lengths.get(place)) {
                     (Some(pixel), Some(&length)) => {
                         let frames = u32::from(length.min(self.whole).max(1));
-                        Seen::new(light.shaded(pixel.albedo()), pixel, frames * each)
+                        Seen::new(
+                            light.shaded(pixel.albedo()),
+                            pixel,
+                            (frames * each).min(MIDDLE - 1),
+                        )
                     }
                     _ => Seen::default(),
                 };
