@@ -37,13 +37,14 @@ pub const DOMAIN: &str = "The scenes are this renderer's own. Open Image Denoise
 /// What the page is to be about.
 pub struct Request {
     pub scenes: Vec<Subject>,
-    /// Samples a pixel of each of the references, but that of the still camera: see [`still_spp`].
+    /// Samples a pixel of each of the references, but that of the still camera, which has 16 times as many, 65536 at
+    /// most.
     pub reference_spp: u32,
     /// The peer, where it is installed.
     pub oidn: Option<Oidn>,
 }
 
-/// Samples a pixel of the still camera's reference, 65536 at most.
+/// Samples a pixel of the still camera's reference.
 fn still_spp(reference_spp: u32) -> u32 {
     (STILL * reference_spp).min(1 << 16)
 }
