@@ -224,7 +224,7 @@ fn draw(svg: &mut String, ours: &Ours, others: &Others) -> Result<(), Box<dyn st
         if at == 0 {
             chart
                 .configure_series_labels()
-                .position(SeriesLabelPosition::Coordinate(150, 140))
+                .position(SeriesLabelPosition::Coordinate(150, 118))
                 .background_style(TRANSPARENT)
                 .label_font(("sans-serif", 10))
                 .draw()?;
