@@ -41,11 +41,11 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 pub struct Seen {
     light: Rgb9e5,
     /// From the highest bit: 16 of the number, 8 of the distance, and how many samples it is worth, places anywhere in the
-    /// pixel, 255 being as many as can be, or [`MIDDLE`].
+    /// pixel, or [`MIDDLE`].
     of: u32,
 }
 
-/// In a number of samples' place: one in the middle. As many anywhere there never are: see [`worth`].
+/// In a number of samples' place: one in the middle. Of those anywhere fewer are counted.
 pub(super) const MIDDLE: u32 = 254;
 
 /// What a frame's samples of a pixel are worth. `spp` that keep out of each other's way know where an outline runs as √spp³ that
@@ -72,7 +72,7 @@ impl Seen {
     pub(super) fn new(light: Rgb9e5, pixel: &Feature, samples: u32) -> Seen {
         Seen {
             light,
-            of: (pixel.id as u32) << 16 | (pixel.depth as u32) << 8 | samples.min(255),
+            of: (pixel.id as u32) << 16 | (pixel.depth as u32) << 8 | samples.min(MIDDLE),
         }
     }
 
@@ -384,7 +384,8 @@ mod tests {
         (1.0 - nearer / (a * b)).clamp(0.0, 1.0)
     }
 
-    /// Σ w = what is gained / what is risked, over all outlines whose samples, of numbers of their own, show the pattern.
+    /// (1 − 2w) own + w (both) is off by the least where w is the noise that it takes away over the square of what it adds, in the
+    /// mean of outlines that numbers, each of one sample, show to run along.
     #[test]
     fn along_an_outline_neighbours_count_what_leaves_the_least_error() {
         for (doublings, share) in (1..).zip(ALONG) {
