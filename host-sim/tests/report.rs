@@ -367,6 +367,11 @@ fn denoisers_stand_beside_each_other_and_the_missing_one_is_told() {
         "twice_the_size",
     ];
     assert_eq!(kinds, expected);
+    let [still, moving] = [0, 3].map(|i| parts[i]["reference_psnr_db"].as_f64().unwrap());
+    assert!(
+        still > moving + 6.0,
+        "16 times the samples: {still} dB, {moving} dB"
+    );
     assert_eq!(methods(&parts[0]), ["noisy", "atrous", "joint_bilateral", "ours"]);
     assert_eq!(
         methods(&parts[2]),
