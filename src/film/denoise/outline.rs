@@ -246,12 +246,17 @@ impl Row<'_> {
         if shares[1][1] == 256 {
             return own.light;
         }
-        let lights = near.map(|row| row.map(|seen| seen.light));
+        // What counts for nothing is not looked at: a lamp there would take bits from what does.
+        let counting = || {
+            let shares = shares.iter().flatten().copied();
+            let taps = near.iter().flatten().zip(shares);
+            taps.filter_map(|(seen, share)| (share != 0).then_some((seen.light, share)))
+        };
         let mut mean = Mean::new();
-        lights.iter().flatten().for_each(|light| mean.see(*light));
-        for (light, share) in lights.as_flattened().iter().zip(shares.as_flattened()) {
+        counting().for_each(|(light, _)| mean.see(light));
+        for (light, share) in counting() {
             // raw: 256 · 64 in all.
-            mean.add(*light, share * tone(*light));
+            mean.add(light, share * tone(light));
         }
         mean.light()
     }
