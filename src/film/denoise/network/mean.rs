@@ -77,15 +77,15 @@ impl Mean {
             let sum = sum as i32 - (u32::from(*out) * self.weight) as i32;
             if sum != 0 {
                 let change = quotient(sum.unsigned_abs(), short, zeros) as i32;
-                let value = i32::from(*out) + if sum < 0 { -change } else { change };
-                *out = value.clamp(0, 0xffff) as u16;
+                // raw: no more than the largest difference.
+                *out = (i32::from(*out) + if sum < 0 { -change } else { change }) as u16;
             }
         }
         out
     }
 }
 
-/// a / b, rounded, where `short` is 2^31 over b's upper 16 bits and `zeros` those before them; a ≥ 1, a / b ≤ 2^16.
+/// a / b, rounded, and at most a / b rounded up, where `short` is 2^31 over b's upper 16 bits and `zeros` those before them; a ≥ 1, a / b ≤ 2^16.
 #[cfg(not(neighbours))]
 #[inline(always)]
 fn quotient(a: u32, short: u32, zeros: u32) -> u32 {
@@ -208,6 +208,22 @@ mod tests {
                     mean.add([light; 3], 1);
                 }
                 assert_eq!(one, mean.value()[0], "{apart}");
+            }
+        }
+    }
+
+    /// So that a mean is not beyond its lights, and wraps nowhere. Quotients grow with what is divided: in between, too.
+    #[test]
+    fn a_quotient_is_not_more_than_it_should_be() {
+        for weight in 1..0x8000 {
+            let zeros = leading_zeros(weight);
+            let short = short_recip((weight << zeros) >> 16) as u32;
+            let ends = (0..16).flat_map(|bit| [1 << bit, (2 << bit) - 1]);
+            for difference in ends.chain((0..64).map(|i| (i * 1021 + weight) & 0xffff)) {
+                if difference > 0 {
+                    let off = difference as i32 - quotient(difference * weight, short, zeros) as i32;
+                    assert!((0..=6).contains(&off), "{difference}, {weight}: {off} too few");
+                }
             }
         }
     }
