@@ -247,16 +247,17 @@ impl Row<'_> {
             return own.light;
         }
         // What counts for nothing is not looked at: a lamp there would take bits from what does.
-        let counting = || {
-            let shares = shares.iter().flatten().copied();
-            let taps = near.iter().flatten().zip(shares);
-            taps.filter_map(|(seen, share)| (share != 0).then_some((seen.light, share)))
-        };
         let mut mean = Mean::new();
-        counting().for_each(|(light, _)| mean.see(light));
-        for (light, share) in counting() {
-            // raw: 256 · 64 in all.
-            mean.add(light, share * tone(light));
+        for (seen, share) in near.as_flattened().iter().zip(shares.as_flattened()) {
+            if *share != 0 {
+                mean.see(seen.light);
+            }
+        }
+        for (seen, share) in near.as_flattened().iter().zip(shares.as_flattened()) {
+            if *share != 0 {
+                // raw: 256 · 64 in all.
+                mean.add(seen.light, *share * tone(seen.light));
+            }
         }
         mean.light()
     }
