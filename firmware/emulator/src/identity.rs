@@ -4,40 +4,20 @@ use std::{fmt::Write as _, fs, time::Instant};
 
 use anyhow::{Context, Result, bail};
 use firmware_common::jobs::{self, Job};
+use rayon::prelude::*;
 use xtask::shell;
 
 use crate::{machine::Machine, stack};
 
-/// Runs on every machine the jobs that are for it, and compares; fails too if a stack is deeper than its bound.
+/// Runs on every machine the jobs that are for it, as many machines at once as there are cores, and compares; fails too if a
+/// stack is deeper than its bound.
 ///
 /// Prints a table with a row for each job: its CRC where all agree, every one where not.
 pub fn check(machines: &[Machine]) -> Result<()> {
-    let mut columns = Vec::new();
-    for &machine in machines {
-        let start = Instant::now();
-        let text = machine.run()?;
-        if let Machine::Emulated(_) = machine {
-            let depth = stack::jobs(machine.name(), &machine.build()?, &text)?;
-            eprintln!(
-                "{:<11} deepest stack {} bytes, {} at most, {} free",
-                machine.name(),
-                depth.measured,
-                depth.bound.bytes,
-                depth.room
-            );
-        }
-        // What memory the jobs took differs, of course.
-        let printed = text.lines().filter(|line| !line.starts_with("memory "));
-        let lines = printed.map(parse).collect::<Result<Vec<_>>>()?;
-        eprintln!(
-            "{:<11} {:<10} {} jobs, built and run in {:.1} s",
-            machine.name(),
-            machine.core(),
-            lines.len(),
-            start.elapsed().as_secs_f64()
-        );
-        columns.push((machine, lines));
-    }
+    let columns = machines
+        .par_iter()
+        .map(|&machine| Ok((machine, lines_of(machine)?)))
+        .collect::<Result<Vec<_>>>()?;
     let (table, differing) = compare(&columns);
     print!("{table}");
     for (machine, lines) in &columns {
@@ -66,6 +46,35 @@ pub fn check(machines: &[Machine]) -> Result<()> {
         RECORDS.join(", ")
     );
     Ok(())
+}
+
+/// What a machine prints, and on standard error how deep its stack got and how long it took.
+fn lines_of(machine: Machine) -> Result<Vec<Line>> {
+    let start = Instant::now();
+    let text = machine.run()?;
+    let mut report = String::new();
+    if let Machine::Emulated(_) = machine {
+        let depth = stack::jobs(machine.name(), &machine.build()?, &text)?;
+        let _ = writeln!(
+            report,
+            "{:<11} deepest stack {} bytes, {} at most, {} free",
+            machine.name(),
+            depth.measured,
+            depth.bound.bytes,
+            depth.room
+        );
+    }
+    // What memory the jobs took differs, of course.
+    let printed = text.lines().filter(|line| !line.starts_with("memory "));
+    let lines = printed.map(parse).collect::<Result<Vec<_>>>()?;
+    eprintln!(
+        "{report}{:<11} {:<10} {} jobs, built and run in {:.1} s",
+        machine.name(),
+        machine.core(),
+        lines.len(),
+        start.elapsed().as_secs_f64()
+    );
+    Ok(lines)
 }
 
 /// What the pictures are held to.

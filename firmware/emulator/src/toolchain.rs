@@ -4,6 +4,7 @@ use std::{
     fs,
     path::{Path, PathBuf},
     process::Command,
+    sync::{Mutex, PoisonError},
 };
 
 use anyhow::{Context, Result, bail};
@@ -41,12 +42,16 @@ pub fn machine(name: &str) -> Vec<(&'static str, &str)> {
     settings
 }
 
+/// Held from a build to the copy of what it left, which another one would overwrite.
+static BUILDING: Mutex<()> = Mutex::new(());
+
 /// Builds in release mode for `target` and returns a copy of the program named `program`.
 ///
 /// An ELF file also says what stack each function takes and which of its words are addresses, in sections that are not
 /// loaded ([`crate::stack`]).
 pub fn build(build: &Build, target: &str, program: &str) -> Result<PathBuf> {
     let embedded = Embedded::find(target)?;
+    let _alone = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
     if target.starts_with("wasm") {
         compile(embedded.cargo("build"), build, &[])?;
     } else {
@@ -62,6 +67,7 @@ pub fn build(build: &Build, target: &str, program: &str) -> Result<PathBuf> {
 /// Builds for the machine that this runs on; `artifact` is the file that the build leaves.
 pub fn build_for_host(build: &Build, artifact: &str) -> Result<PathBuf> {
     let target_folder = shell::target_dir();
+    let _alone = BUILDING.lock().unwrap_or_else(PoisonError::into_inner);
     let mut cargo = shell::cargo("build");
     cargo.arg("--target-dir").arg(&target_folder);
     compile(cargo, build, &[])?;
