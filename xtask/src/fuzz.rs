@@ -65,7 +65,8 @@ fn all(effort: Effort, wanted: impl Fn(&&str) -> bool, keep: bool) -> Result<Str
         "`cargo fuzz` is missing: run `cargo xtask setup --what fuzz`"
     );
     // No sanitizer: it takes a nightly compiler, and there is no unsafe code of ours for it to look at.
-    let build = ["fuzz", "build", "--sanitizer", "none"];
+    // Not one unit, which keeps one core busy: the build is longer than the runs.
+    let build = ["fuzz", "build", "--sanitizer", "none", "--codegen-units", "16"];
     shell::run(Command::new("cargo").args(build).current_dir(shell::root()))?;
     let mut runs = 0;
     for target in TARGETS.into_iter().filter(wanted) {

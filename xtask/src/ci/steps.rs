@@ -134,13 +134,12 @@ fn doc() -> Result<String> {
     Ok("no warning".to_string())
 }
 
-/// What no other step builds, so that it does not go stale.
+/// What no other step builds, so that it does not go stale; crates that the tests were built with are not built again.
 fn beside() -> Result<String> {
-    let folder = shell::target_dir().join("beside");
     let cargo = |command: &str, workspace: &str| {
         let mut cargo = shell::cargo(command);
         cargo.args(["--locked", "--manifest-path", workspace, "--target-dir"]);
-        cargo.arg(&folder);
+        cargo.arg(shell::target_dir());
         cargo
     };
     let output = shell::run_teed(cargo("test", "trainer/Cargo.toml").arg("--release"))?;
