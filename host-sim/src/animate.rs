@@ -85,8 +85,9 @@ pub fn animation(
 ) -> Result<Animation, Error> {
     let core = CoreScene::new(desc)?;
     let lent = core.lend();
-    let scene = core.scene(&lent)?;
     let path = run::path(desc, options)?;
+    let mut cells = run::cells(options, path);
+    let scene = core.scene(&lent)?.foresee(&mut cells);
     let frames = run::frames(options)?;
     let metre = f64::from(core.unit.fraction_bits()).exp2();
     let (width, height) = (frames.width, frames.height);

@@ -18,7 +18,7 @@ use microlux::film::Tile;
 use microlux::integrator::{AmbientOcclusion, Bdpt, Integrator, LightTracer, Path};
 use microlux::render::{Renderer, Settings};
 use microlux::sampler::{AnySampler, Cmj, Independent, PcgRxsMXs32, Sampler, Sobol, Stratified, ZSobol};
-use microlux::scene::{Baked, BakedError, Scene};
+use microlux::scene::{Baked, BakedError, Cell, Scene};
 use rayon::prelude::*;
 
 mod info;
@@ -173,7 +173,9 @@ fn render_core(
     progress: &dyn Progress,
     cancel: &AtomicBool,
 ) -> Result<(Picture, Stats), Error> {
-    let scene = core.scene(lent)?;
+    let path = integrator(desc, options);
+    let mut cells = cells(options, path);
+    let scene = core.scene(lent)?.foresee(&mut cells);
     let job = Job {
         core,
         scene: &scene,
@@ -184,7 +186,6 @@ fn render_core(
         done: AtomicUsize::new(0),
         rays: AtomicU64::new(0),
     };
-    let path = integrator(desc, options);
     let started = Instant::now();
     let pixels = match options.integrator {
         _ if options.cleaning.is_on() => self::path(desc, options).and_then(|path| job.cleaned(path)),
@@ -487,6 +488,12 @@ pub(crate) fn integrator(desc: &SceneDesc, options: &Options) -> Path {
         rr_depth,
         hide_emitters: desc.integrator.hide_emitters,
     }
+}
+
+/// Memory for what is told of a scene once, where paths go on from what the camera sees.
+pub(crate) fn cells(options: &Options, path: Path) -> Vec<Cell> {
+    let goes_on = options.integrator == IntegratorKind::Path && path.max_depth > 2;
+    vec![Cell::UNKNOWN; if goes_on { 1 << 12 } else { 0 }]
 }
 
 pub(crate) fn sampler(options: &Options) -> AnySampler {

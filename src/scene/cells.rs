@@ -34,7 +34,7 @@ pub(super) struct Cells<'a> {
     shift: u32,
 }
 
-/// The tree is asked here: a mesh is among them, or nothing is known.
+/// The tree is asked here: a mesh is among them, more than half of all shapes are, or nothing is known.
 const BY_TREE: u32 = 1 << 31;
 
 /// Log2 of the most cells along an axis.
@@ -68,8 +68,8 @@ impl<'a> Scene<'a> {
     /// those shapes alone, with the same answers.
     ///
     /// 8, 64, 512, 4096 or 32,768 of `cells` are used; with fewer than 8, more than 31 shapes or an infinite plane the scene
-    /// stays as it is. Where a mesh is, or more than six shapes may shade, the tree is asked. It takes some thousand
-    /// instructions a cell, and pays for long paths: what the camera sees itself is told block by block as it is drawn
+    /// stays as it is. Where a mesh is, or more than half of all shapes, or more than six may shade, the tree is asked. It takes
+    /// some thousand instructions a cell, and pays for long paths: what the camera sees itself is told block by block as it is drawn
     /// ([`Self::ahead`]).
     ///
     /// Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987; Haines and Wallace, "Shaft Culling for
@@ -120,6 +120,10 @@ impl<'a> Scene<'a> {
                 };
                 is_crowded |= patches.push(patch).is_err();
             }
+        }
+        // A cell that does not tell shapes apart.
+        if 2 * inside.count_ones() as usize > extents.len() {
+            inside |= BY_TREE;
         }
         let shade = if is_crowded || patches.is_empty() {
             None
@@ -218,6 +222,10 @@ impl Cells<'_> {
     #[inline(always)]
     fn walk(&self, offset: Offset, start: [i32; 3], dir: Dir) -> Option<CellWalk> {
         let cell = self.index(offset)?;
+        let at = self.place(cell);
+        if self.cells.get(at)?.inside & BY_TREE != 0 {
+            return None;
+        }
         let width = 1 << (16 - self.bits);
         // Along each axis: the slope's size, Q14; to the next cell, steps.
         let (mut size, mut ahead, mut left) = ([0; 3], [0; 3], [0; 3]);
@@ -235,7 +243,7 @@ impl Cells<'_> {
             }
         }
         Some(CellWalk {
-            at: self.place(cell),
+            at,
             first: [
                 ahead[0] * size[1] - ahead[1] * size[0],
                 ahead[1] * size[2] - ahead[2] * size[1],

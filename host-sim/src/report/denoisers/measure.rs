@@ -98,10 +98,12 @@ impl Bench<'_> {
         let Subject { desc, options } = self.subject;
         let core = CoreScene::new(desc).map_err(Error::from)?;
         let lent = core.lend();
-        let scene = core.scene(&lent).map_err(Error::from)?;
+        let path = run::path(desc, options)?;
+        let mut cells = run::cells(options, path);
+        let scene = core.scene(&lent).map_err(Error::from)?.foresee(&mut cells);
         let stage = Stage {
             scene: &scene,
-            path: run::path(desc, options)?,
+            path,
             options,
             work: self.work,
             cancel: self.cancel,
