@@ -231,8 +231,11 @@ impl Scene<'_> {
         except: usize,
     ) -> bool {
         for (index, shape) in self.parts.shapes.iter().enumerate().skip(first) {
-            let found = self.form_next::<K>(&shape.geometry, ray, sight, distance);
-            if found.is_some() && index != except {
+            if index != except
+                && self
+                    .form_next::<K>(&shape.geometry, ray, sight, distance)
+                    .is_some()
+            {
                 return true;
             }
         }
