@@ -56,6 +56,13 @@ impl Cells<'_> {
         ((cell[0] | cell[1] | cell[2]) >> self.bits == 0).then_some(cell)
     }
 
+    /// What reaches into a cell; `None` where the tree is asked.
+    #[inline]
+    fn inside(&self, at: usize) -> Option<u32> {
+        let inside = self.cells.get(at)?.inside;
+        (inside & BY_TREE == 0).then_some(inside)
+    }
+
     #[inline]
     fn place(&self, [x, y, z]: [u32; 3]) -> usize {
         ((x << self.bits | y) << self.bits | z) as usize
@@ -68,9 +75,9 @@ impl<'a> Scene<'a> {
     /// those shapes alone, with the same answers.
     ///
     /// 8, 64, 512, 4096 or 32,768 of `cells` are used; with fewer than 8, more than 31 shapes or an infinite plane the scene
-    /// stays as it is. Where a mesh is, or more than half of all shapes, or more than six may shade, the tree is asked. It takes
-    /// some thousand instructions a cell, and pays for long paths: what the camera sees itself is told block by block as it is drawn
-    /// ([`Self::ahead`]).
+    /// stays as it is. Where a mesh is, or more than half of all shapes, or more than six may shade, the tree is asked. It
+    /// takes some thousand instructions a cell, and pays for long paths: what the camera sees itself is told block by block as
+    /// it is drawn ([`Self::ahead`]).
     ///
     /// Amanatides and Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", 1987; Haines and Wallace, "Shaft Culling for
     /// Efficient Ray-Traced Radiosity", 1991.
@@ -157,9 +164,10 @@ impl<'a> Scene<'a> {
         }
         let grid = &self.parts.grid;
         let offset = grid.origin().to(ray.origin);
-        let mut walk = self
-            .cells
-            .walk(offset, offset.0.map(|c| c >> grid.shift()), ray.dir)?;
+        let cell = self.cells.index(offset)?;
+        let mut inside = self.cells.inside(self.cells.place(cell))?;
+        let start = offset.0.map(|c| c >> grid.shift());
+        let mut walk = self.cells.walk(cell, start, ray.dir);
         let (mut nearest, mut t_max) = (usize::MAX, FAR + 1);
         // Where the nearest hit is.
         let mut end = usize::MAX;
@@ -170,11 +178,7 @@ impl<'a> Scene<'a> {
             _ => 0,
         };
         loop {
-            let inside = self.cells.cells.get(walk.at)?.inside;
             if inside != 0 {
-                if inside & BY_TREE != 0 {
-                    return None;
-                }
                 let mut rest = inside & !asked;
                 asked |= inside;
                 while rest != 0 {
@@ -197,6 +201,7 @@ impl<'a> Scene<'a> {
             if !walk.goes_on() {
                 break;
             }
+            inside = self.cells.inside(walk.at)?;
         }
         Some((nearest != usize::MAX).then(|| Hit::of_form(nearest, t_max)))
     }
@@ -218,14 +223,9 @@ struct CellWalk {
 }
 
 impl Cells<'_> {
-    /// From a place seen from the scene's grid, in units and in steps; `None` beyond that.
+    /// From a place in this cell, seen from the scene's grid in steps.
     #[inline(always)]
-    fn walk(&self, offset: Offset, start: [i32; 3], dir: Dir) -> Option<CellWalk> {
-        let cell = self.index(offset)?;
-        let at = self.place(cell);
-        if self.cells.get(at)?.inside & BY_TREE != 0 {
-            return None;
-        }
+    fn walk(&self, cell: [u32; 3], start: [i32; 3], dir: Dir) -> CellWalk {
         let width = 1 << (16 - self.bits);
         // Along each axis: the slope's size, Q14; to the next cell, steps.
         let (mut size, mut ahead, mut left) = ([0; 3], [0; 3], [0; 3]);
@@ -242,8 +242,8 @@ impl Cells<'_> {
                 left[a] = (1 << self.bits) - 1 - cell[a] as i32;
             }
         }
-        Some(CellWalk {
-            at,
+        CellWalk {
+            at: self.place(cell),
             first: [
                 ahead[0] * size[1] - ahead[1] * size[0],
                 ahead[1] * size[2] - ahead[2] * size[1],
@@ -252,7 +252,7 @@ impl Cells<'_> {
             step: size.map(|size| size << (16 - self.bits)),
             left,
             stride,
-        })
+        }
     }
 }
 
@@ -309,7 +309,7 @@ mod tests {
             let mut to = [(); 3].map(|()| random() >> 16);
             to[round as usize % 3] >>= random() & 15;
             let Some(dir) = Dir::new(to) else { continue };
-            let mut walk = cells.walk(Offset(start), start, dir).unwrap();
+            let mut walk = cells.walk(cells.index(Offset(start)).unwrap(), start, dir);
             let mut visited = std::vec![walk.at];
             while walk.goes_on() {
                 visited.push(walk.at);
