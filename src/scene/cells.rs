@@ -288,6 +288,43 @@ mod tests {
     extern crate std;
 
     use super::*;
+    use crate::bvh::Node;
+    use crate::color::Radiance;
+    use crate::light::Light;
+    use crate::material::Material;
+    use crate::scene::SceneBuilder;
+    use crate::scene::builtin::Builtin;
+    use crate::shape::Sphere;
+
+    /// Most cells of a room tell its shapes apart, and so do those of two balls; of one there is nothing to tell.
+    #[test]
+    fn cells_ask_the_tree_where_they_do_not_tell_shapes_apart() {
+        let by_tree = |scene: Scene| {
+            let mut cells = [Cell::UNKNOWN; 512];
+            let scene = scene.foresee(&mut cells);
+            let filled = scene.cells.cells.iter().filter(|cell| cell.inside != 0);
+            let by_tree = filled.clone().filter(|cell| cell.inside & BY_TREE != 0);
+            [by_tree.count(), filled.count()]
+        };
+        let [room, filled] = Builtin::Cornell.with(|scene, _| by_tree(*scene)).unwrap();
+        assert!(20 * room < filled, "{room} of {filled}");
+        let balls = |places: &[i32]| {
+            let mut builder = SceneBuilder::<2, 1, 1>::new();
+            let black = builder.material(Material::Black).unwrap();
+            for x in places {
+                let ball = Sphere::new(Point([*x, 0, 0]), 1 << 15);
+                builder.shape(ball, black).unwrap();
+            }
+            let position = Point([0, 1 << 18, 0]);
+            let intensity = Radiance::WHITE;
+            builder.light(Light::Point { position, intensity }).unwrap();
+            by_tree(builder.build(&mut [Node::EMPTY; 2]).unwrap())
+        };
+        let [one, filled] = balls(&[0]);
+        assert!(one == filled && one > 0, "{one} of {filled}");
+        let [two, filled] = balls(&[-1 << 16, 1 << 16]);
+        assert!(two == 0 && filled > 0, "{two} of {filled}");
+    }
 
     /// Each place of a ray, but for 6 steps about the cells' faces, is in a cell of the walk.
     #[test]

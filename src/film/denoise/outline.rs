@@ -447,6 +447,26 @@ mod tests {
         assert_eq!(shares([[2; 3], [1; 3], [1; 3]], 128), None);
     }
 
+    /// Whatever shines beside it: of lights in 32 bits, a lamp leaves what is 2^18 times darker none.
+    #[test]
+    fn an_outline_is_mixed_of_what_lies_on_it_alone() {
+        let mixed = |beside: i32| {
+            let seen = [3, 4, 6].map(|light| {
+                let at = |id: u32, exponent| Seen {
+                    light: Rgb9e5::from_bits([light, 2 * light, light], exponent),
+                    of: id << 16 | 8,
+                };
+                [at(2, beside), at(1, -12), at(1, -12)]
+            });
+            let rows = seen.each_ref().map(|row| &row[..]);
+            Row { rows }.mixed(1)
+        };
+        let dark = mixed(-12);
+        assert!(dark.to_parts().0.iter().all(|part| *part > 0), "{dark:?}");
+        assert_eq!(mixed(4), dark);
+        assert_eq!(mixed(12), dark);
+    }
+
     #[test]
     fn middles_are_mixed_by_what_straight_outlines_leave() {
         // Shares beyond each of the lines that leave so many sides and corners beyond.
