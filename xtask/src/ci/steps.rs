@@ -51,7 +51,7 @@ pub const STEPS: [Step; 10] = [
     },
     Step {
         name: "test-release",
-        about: "the same tests as the chip runs the code: optimised, arithmetic that wraps",
+        about: "the same tests, but for the longest, as the chip runs the code: optimised, arithmetic that wraps",
         needs: &[Part::Host],
         run: || test(&["--release"]),
     },
